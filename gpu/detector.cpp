@@ -4,7 +4,7 @@
 
 #include "gpu/base/float_environment.hpp"
 #include "gpu/exec/asks.hpp"
-#include "gpu/scene/backends.hpp"
+#include "gpu/scene/backends/backends.hpp"
 #include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/parts/parted_scene.hpp"
 #include "gpu/scene/rules.hpp"
@@ -83,9 +83,17 @@ std::vector<DeviceInfo> list_devices(int threads) {
   return devices;
 }
 
+std::vector<UnusableDevice> unusable_devices() { return unusable_cuda_devices(); }
+
+void load_kernels(const Device& device) {
+  if (device.backend == Backend::kCuda) load_cuda_kernels(device.ordinal);
+}
+
 void load_kernels_at_start() { setenv("CUDA_MODULE_LOADING", "EAGER", 0); }
 
 bool cuda_available() { return !cuda_devices().empty(); }
+
+std::string cuda_obstacle() { return why_no_cuda(); }
 
 void check_device(const Device& device) {
   if (device.ordinal < 0) throw InvalidInput("device", "device is " + to_string(device) + ", ordinals begin at 0");

@@ -65,6 +65,13 @@ void check_exclusions(const SceneSpec& spec);
 /// Devices that scenes can live on: the CPU with so many threads (0: all cores), then every usable CUDA device.
 std::vector<DeviceInfo> list_devices(int threads = 0);
 
+/// CUDA devices that are missing from list_devices(), with the reasons; none in a build without CUDA.
+std::vector<UnusableDevice> unusable_devices();
+
+/// Loads the engine's kernels onto a CUDA device, which takes minutes where the driver has to compile them; does
+/// nothing for the CPU. Throws DeviceError if the driver refuses them.
+void load_kernels(const Device& device);
+
 /// Throws InvalidInput for an ordinal that this machine does not have, DeviceError where it has no CUDA device at all.
 void check_device(const Device& device);
 
@@ -78,6 +85,9 @@ void load_kernels_at_start();
 
 /// Whether a CUDA device can be used now (built in, driver present).
 bool cuda_available();
+
+/// Why no CUDA device can be used, to end an error with; empty if one can.
+std::string cuda_obstacle();
 
 /// Whether a device still answers. After some failures (DeviceError) it does not until the process is started anew.
 bool device_works(const Device& device);

@@ -8,6 +8,12 @@ std::string to_string(const Device& device) {
   return (device.backend == Backend::kCuda ? "cuda:" : "cpu:") + std::to_string(device.ordinal);
 }
 
+std::string to_string(const UnusableDevice& unusable) {
+  if (!unusable.device) return unusable.reason;
+  const std::string name = unusable.name.empty() ? "" : " (" + unusable.name + ")";
+  return to_string(*unusable.device) + name + ": " + unusable.reason;
+}
+
 std::optional<Device> parse_device(std::string_view text) {
   const size_t colon = text.find(':');
   const std::string_view backend = text.substr(0, colon);

@@ -29,8 +29,22 @@ std::optional<Device> parse_device(std::string_view text);
 struct DeviceInfo {
   Device device = {};
   std::string name = {};
-  uint64_t memory_bytes = 0;  ///< 0 for the CPU, which shares the host's
-  std::string uuid = {};      ///< "GPU-" and 32 hexadecimal digits, as the driver's tools name it; empty for the CPU
+  uint64_t memory_bytes = 0;    ///< 0 for the CPU, which shares the host's
+  std::string uuid = {};        ///< "GPU-" and 32 hexadecimal digits, as the driver's tools name it; empty for the CPU
+  std::string capability = {};  ///< compute capability, such as "9.0"; empty for the CPU
+  /// True if this build has only PTX for the device: its driver compiles the kernels, or takes them from its cache.
+  bool needs_compilation = false;
 };
+
+/// A CUDA device that scenes cannot live on, or the reason why there is none at all.
+struct UnusableDevice {
+  std::optional<Device> device = {};  ///< none: the reason applies to all CUDA devices
+  std::string name = {};              ///< empty for all
+  std::string reason = {};            ///< why, and what would help
+  bool is_absent = false;             ///< True if the machine has no GPU or no driver, which is no fault.
+};
+
+/// As "cuda:1 (NVIDIA H100): REASON"; the reason alone for all devices.
+std::string to_string(const UnusableDevice& unusable);
 
 }  // namespace collided

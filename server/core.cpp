@@ -3,18 +3,9 @@
 
 #include <algorithm>
 #include <climits>
-#include <stdexcept>
-
-#include "gpu/detector.hpp"
 
 namespace collided::server {
 namespace {
-
-const Config& checked(const Config& config) {
-  if (config.backend == "cuda" && !cuda_available())
-    throw std::runtime_error("--backend is cuda, but there is no usable CUDA device");
-  return config;
-}
 
 // The slack lets our own refusal, which names the option, come first for messages not far above the limit. Compressed
 // messages could expand a thousandfold within gRPC, which does not limit that.
@@ -28,7 +19,7 @@ void set_message_limits(grpc::ServerBuilder& builder, uint64_t max_message_bytes
 }  // namespace
 
 Core::Core(const Config& config, Lifecycle& lifecycle)
-    : authenticator(checked(config)),
+    : authenticator(config),
       observer(metrics, lifecycle),
       host(config, observer),
       service(config, host, authenticator),

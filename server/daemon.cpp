@@ -97,6 +97,11 @@ void Daemon::log_devices() const {
                {"uuid", device.info.uuid},
                {"max_bytes", device.max_bytes},
                {"free_bytes", device.free_bytes}});
+  for (const UnusableDevice& device : core_.host.devices().unusable())
+    log_event(device.is_absent ? spdlog::level::info : spdlog::level::warn, "a device cannot be used",
+              {{"device", device.device ? to_string(*device.device) : "cuda"},
+               {"name", device.name},
+               {"reason", device.reason}});
 }
 
 Gauges Daemon::gauges() const {

@@ -27,8 +27,8 @@ void check(const InProcessOptions& options) {
   if (backend != "auto" && backend != "cpu" && backend != "cuda")
     throw InvalidInput("engine.backend",
                        fmt::format("engine.backend is \"{}\"; it must be auto, cpu or cuda", backend));
-  if (backend == "cuda" && !cuda_available())
-    throw FailedPrecondition("engine.backend", "engine.backend is cuda, but there is no usable CUDA device");
+  if (const std::string why = cuda_obstacle(); backend == "cuda" && !why.empty())
+    throw FailedPrecondition("engine.backend", "engine.backend is cuda, but there is no usable CUDA device: " + why);
   check_number("engine.threads", options.threads, kMaxThreads);
   check_number("engine.concurrent_frames", options.concurrent_frames, kMaxThreads);
 }

@@ -25,6 +25,7 @@
 #include "server/config/reload.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
+#include "server/devices/chosen_devices.hpp"
 #include "server/net/sockets/descriptors.hpp"
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
@@ -48,6 +49,7 @@ using collided::server::Supervisor;
 constexpr double kSecondsToStop = 5;   // after the grace
 constexpr double kSecondsToExit = 1;   // after that
 constexpr double kGraceOfFailure = 1;  // seconds to report a failed device
+constexpr double kSecondsToCompile = 1800;
 
 /// Sources of the configuration, at the start and at each reload.
 struct Origin {
@@ -157,6 +159,21 @@ void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals, Superv
   daemon.stop();
 }
 
+// Before the start, which takes as long. Clients that start a daemon of their own look for "compiling the kernels" in
+// its log, and then wait longer, too.
+void announce_compilation(const Config& config, Supervisor& supervisor) {
+  for (const auto& info : collided::server::chosen_devices(config)) {
+    if (!info.needs_compilation) continue;
+    const std::string id = to_string(info.device);
+    spdlog::warn(
+        "compiling the kernels for {} ({}, compute capability {}), for which this build has only PTX: this takes "
+        "minutes unless the driver finds them in its cache (CUDA_CACHE_PATH), where it keeps them",
+        id, info.name, info.capability);
+    supervisor.starting(kSecondsToCompile, "compiles the kernels for " + id);
+  }
+  collided::server::flush_log();
+}
+
 int serve(const Origin& origin, Config config, const sigset_t& signals, std::optional<StartWatch>& watch) {
   check_ready_file(config.ready_file);
   Lifecycle lifecycle([] { kill(getpid(), SIGTERM); });
@@ -165,6 +182,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals, std::opt
   warn_of_exposure(config);
   spdlog::info("{}", describe_limits(config.limits, origin.memory));
   keep_grpc();
+  announce_compilation(config, supervisor);
   Daemon daemon(config, lifecycle);
   for (const auto& address : daemon.addresses()) spdlog::info("collided {} serves on {}", COLLIDED_VERSION, address);
   if (const auto address = daemon.http_address(); !address.empty()) spdlog::info("metrics and health on {}", address);

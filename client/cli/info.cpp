@@ -43,11 +43,19 @@ Json device_json(const v1::Device& device) {
           {"load", device.load()}};
 }
 
+Json unusable_json(const v1::GetServerInfoResponse& info) {
+  Json unusable = Json::object();
+  for (const v1::UnusableDevice& d : info.unusable_devices())
+    unusable[d.id().empty() ? name_of(d.backend()) : d.id()] = {{"name", d.name()}, {"reason", d.reason()}};
+  return unusable;
+}
+
 Json info_json(const v1::GetServerInfoResponse& info) {
   Json devices = Json::object();
   for (const v1::Device& d : info.devices()) devices[d.id().empty() ? name_of(d.backend()) : d.id()] = device_json(d);
   return {{"version", info.version()},
           {"devices", devices},
+          {"unusable_devices", unusable_json(info)},
           {"limits", limits_json(info.limits())},
           {"local_socket", info.local_socket()}};
 }
@@ -65,7 +73,8 @@ void add_info(CLI::App& app) {
   command.add_flag("--json", options->json, "Print one JSON object");
   command.callback([options] {
     Connection connection(options->server);
-    const Json info = info_json(connection->server_info());
+    Json info = info_json(connection->server_info());
+    if (!options->json && info["unusable_devices"].empty()) info.erase("unusable_devices");
     if (options->json)
       std::printf("%s\n", json_text(info).c_str());
     else

@@ -52,6 +52,18 @@ int fail_after_output(int exit_code, const std::string& what) {
   return fail(exit_code, what);
 }
 
+#ifndef COLLIDED_RENDER
+void add_absent_render(CLI::App& app) {
+  auto* const command = app.add_subcommand("render", "Draw steps and their contacts (not in this build)");
+  command->allow_extras();
+  command->callback([] {
+    throw collided::cli::UsageError(
+        "this build draws no pictures: it was made without Embree, as the Python wheels are; the "
+        "Debian package collided and a build from source have render");
+  });
+}
+#endif
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -66,7 +78,11 @@ int main(int argc, char** argv) {
   add_detect(app);
   add_stream(app);
   add_replay(app);
+#ifdef COLLIDED_RENDER
   add_render(app);
+#else
+  add_absent_render(app);
+#endif
   add_watch(app);
   add_view(app);
   add_estimate(app);

@@ -13,11 +13,11 @@
 
 #include "client/cpp/frame_stream_state.hpp"
 #include "client/cpp/meshes/mesh_pages.hpp"
+#include "client/cpp/transport/features.hpp"
 #include "client/cpp/transport/grpc/address.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "client/cpp/transport/grpc/grpc_transport.hpp"
-#include "client/cpp/transport/local/local_peer.hpp"
-#include "client/cpp/transport/local/local_transport.hpp"
+#include "client/cpp/transport/local/open_local.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 #include "proto/constants.hpp"
 
@@ -109,13 +109,15 @@ void check_handles(const LocalOptions& local) {
 }
 
 /// Device memory of this process cannot be opened by its handle.
-FrameStream stream_in_process(const InProcess& daemon, const v1::OpenStream& open, const StreamOptions& options) {
+FrameStream stream_in_process(const InProcess& daemon, const v1::OpenStream& open, const StreamOptions& options,
+                              std::shared_ptr<const Features> features) {
   const LocalOptions& local = options.local;
   if (!local.cuda_ipc_handle.empty() || !local.output_cuda_ipc_handle.empty())
     throw Error(
         grpc::FAILED_PRECONDITION, "options.local has a handle of device memory, which needs a daemon of its own",
         local.cuda_ipc_handle.empty() ? "options.local.output_cuda_ipc_handle" : "options.local.cuda_ipc_handle");
-  return FrameStream::open(daemon.transport(), open, {.is_local = true, .keeper = options.keeper});
+  return FrameStream::open(daemon.transport(), open,
+                           {.is_local = true, .keeper = options.keeper, .features = std::move(features)});
 }
 
 }  // namespace
@@ -138,6 +140,7 @@ struct Client::State {
   explicit State(const ChannelFactory& maker) : channels(maker) {
     stub = v1::CollisionService::NewStub(channels.connect());
     info = call(&Service::GetServerInfo, v1::GetServerInfoRequest());
+    features = std::make_shared<Features>(info, channels.address());
   }
 
   template <class Request, class Response>
@@ -149,6 +152,7 @@ struct Client::State {
   template <class Request, class Response>
   Response call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
                 const Request& request, const std::unique_ptr<grpc::ClientContext>& context) {
+    if (features) features->check_call(request);
     Response response;
     check(((*stub).*method)(context.get(), request, &response));
     return response;
@@ -170,6 +174,7 @@ struct Client::State {
   ChannelFactory channels;
   std::unique_ptr<Service> stub;
   v1::GetServerInfoResponse info;
+  std::shared_ptr<const Features> features;  ///< null until `info` is known
 };
 
 template <class Request, class Response>
@@ -194,6 +199,7 @@ v1::Scene Client::State::upload(const std::string& scene_id, uint32_t index, con
     request.set_scene_id(scene_id);
     request.set_mesh(index);
     request.set_triangles(chunk.data(), chunk.size_bytes());
+    features->check_call(request);
     if (!writer->Write(request)) break;  // refused: Finish() says why
   }
   writer->WritesDone();
@@ -275,12 +281,14 @@ FrameStream Client::State::stream_locally(const v1::Scene& scene, const v1::Open
   v1::OpenStream granted = open;
   granted.set_window(window);
   return FrameStream::open(
-      std::make_unique<LocalTransport>(
-          LocalPeer{info.local_socket(), TrustedUsers(channels.address(), options.daemon_user, connect.patience),
-                    connect.patience, connect.deadline},
-          local_layout(known, window, options), connect.token, options),
+      open_local({info.local_socket(), channels.address(), connect.token, connect.patience, connect.deadline},
+                 local_layout(known, window, options), options),
       granted,
-      {.is_local = true, .keeper = stream.keeper, .deadline = connect.deadline, .address = info.local_socket()});
+      {.is_local = true,
+       .keeper = stream.keeper,
+       .deadline = connect.deadline,
+       .address = info.local_socket(),
+       .features = features});
 }
 
 Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -377,9 +385,11 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
   const ChannelFactory& own = state_->channels;
   std::string local_refusal;
   check_handles(options.local);
-  if (own.in_process()) return stream_in_process(*own.in_process(), open, options);
+  if (own.in_process()) return stream_in_process(*own.in_process(), open, options, state_->features);
   if (options.local.use == Local::kOn) return state_->stream_locally(scene, open, options);
-  if (options.local.use == Local::kAutomatic && is_local_address(own.address()) && state_->has_local(scene)) try {
+  if (options.local.use == Local::kAutomatic && has_local_transport() && is_local_address(own.address()) &&
+      state_->has_local(scene))
+    try {
       return state_->stream_locally(scene, open, options);
     } catch (const Error& e) {  // if gRPC fails as well, its error is thrown
       local_refusal = e.message();
@@ -392,7 +402,8 @@ FrameStream Client::stream(const v1::Scene& scene, const StreamOptions& options)
       {.local_refusal = std::move(local_refusal),
        .keeper = options.keeper,
        .deadline = own.options().deadline,
-       .address = channels.address()});
+       .address = channels.address(),
+       .features = state_->features});
 }
 
 FrameStream Client::resume(const v1::Scene& scene, StreamOptions options) {
@@ -401,7 +412,7 @@ FrameStream Client::resume(const v1::Scene& scene, StreamOptions options) {
 }
 
 Watcher Client::watch(const std::string& scene_id, const WatchOptions& options) {
-  return Watcher::open(state_->channels, scene_id, options);
+  return Watcher::open(state_->channels, scene_id, options, state_->features);
 }
 
 }  // namespace collided::client

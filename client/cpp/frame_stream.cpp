@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "client/cpp/frame_stream_state.hpp"
+#include "client/cpp/transport/features.hpp"
 
 namespace collided::client {
 
@@ -25,6 +26,7 @@ FrameStream::~FrameStream() = default;
 
 FrameStream FrameStream::open(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open,
                               StreamSetup setup) {
+  if (setup.features) setup.features->check(open, "open");
   return FrameStream(std::make_unique<State>(std::move(transport), open, std::move(setup)));
 }
 

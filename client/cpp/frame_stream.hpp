@@ -57,6 +57,8 @@ struct KeeperPace {
   int quiet_pauses = 150;               ///< after so many in a row without a waiting caller it keeps reading
 };
 
+class Features;
+
 /// What a stream is told when it is opened.
 struct StreamSetup {
   bool is_local = false;           ///< over shared memory
@@ -64,7 +66,8 @@ struct StreamSetup {
   KeeperPace keeper = {};
   /// Limits the wait for the first answer, and for the next one once no more frames will come.
   std::chrono::milliseconds deadline = std::chrono::seconds(60);
-  std::string address = "";  ///< of the daemon, for messages
+  std::string address = "";                            ///< of the daemon, for messages
+  std::shared_ptr<const Features> features = nullptr;  ///< what the daemon lacks; null: nothing
 };
 
 /// One thread may send while another receives. Outputs come in frame order.

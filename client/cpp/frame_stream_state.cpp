@@ -9,6 +9,8 @@
 #include <functional>
 #include <utility>
 
+#include "client/cpp/transport/features.hpp"
+
 namespace collided::client {
 
 namespace {
@@ -267,6 +269,7 @@ void FrameStream::State::give_credit() {
 }
 
 void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
+  if (setup.features) setup.features->check(frame, "frame");
   take_credit(frame.frame_id());
   if (frame.has_edit()) {
     const std::lock_guard lock(mutex);

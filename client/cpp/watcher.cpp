@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/cpp/frame_stream_state.hpp"
+#include "client/cpp/transport/features.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
@@ -57,11 +58,11 @@ WatchedFrame frame_of(v1::WatchSceneResponse& response) {
 }  // namespace
 
 struct Watcher::State {
-  State(const ChannelFactory& maker, const std::string& scene_id, const WatchOptions& options)
+  State(const ChannelFactory& maker, const std::string& scene_id, const v1::WatchSceneRequest& request)
       : channels(maker),
         stub(v1::CollisionService::NewStub(channels.connect())),
         context(channels.context(scene_id)),
-        reader(stub->WatchScene(context.get(), request_of(scene_id, options))) {
+        reader(stub->WatchScene(context.get(), request)) {
     if (!read_within(channels.options().deadline).has_opened())
       throw Error(kDataLoss, "the first message of a watch is not `opened`");
     opened = std::move(*response.mutable_opened());
@@ -102,8 +103,11 @@ Watcher::Watcher(Watcher&&) noexcept = default;
 Watcher& Watcher::operator=(Watcher&&) noexcept = default;
 Watcher::~Watcher() = default;
 
-Watcher Watcher::open(const ChannelFactory& channels, const std::string& scene_id, const WatchOptions& options) {
-  return Watcher(std::make_unique<State>(channels, scene_id, options));
+Watcher Watcher::open(const ChannelFactory& channels, const std::string& scene_id, const WatchOptions& options,
+                      const std::shared_ptr<const Features>& features) {
+  const v1::WatchSceneRequest request = request_of(scene_id, options);
+  if (features) features->check_call(request);
+  return Watcher(std::make_unique<State>(channels, scene_id, request));
 }
 
 const v1::Scene& Watcher::scene() const { return state_->opened.scene(); }

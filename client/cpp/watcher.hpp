@@ -32,8 +32,9 @@ struct WatchedFrame : FrameOutput {
 /// One thread reads; any may cancel.
 class Watcher {
  public:
-  /// Throws Error if the daemon refuses.
-  static Watcher open(const ChannelFactory& channels, const std::string& scene_id, const WatchOptions& options);
+  /// Throws Error if the daemon refuses, or lacks what is asked for; null: it lacks nothing.
+  static Watcher open(const ChannelFactory& channels, const std::string& scene_id, const WatchOptions& options,
+                      const std::shared_ptr<const Features>& features = nullptr);
   Watcher(Watcher&&) noexcept;
   Watcher& operator=(Watcher&&) noexcept;
   /// Ends the watch.

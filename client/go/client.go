@@ -13,8 +13,10 @@ import (
 
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/codes"
+	"google.golang.org/protobuf/proto"
 
-	v1 "collided/client/go/v1"
+	"collided.invalid/client/go/internal/features"
+	v1 "collided.invalid/client/go/v1"
 )
 
 const (
@@ -30,7 +32,8 @@ type Client struct {
 	connection *grpc.ClientConn
 	service    v1.CollisionServiceClient
 	info       *v1.GetServerInfoResponse
-	daemon     *Daemon // its own; nil: none
+	features   *features.Features // nil until info is known
+	daemon     *Daemon            // its own; nil: none
 }
 
 // Connect connects to the daemon at address, host:port or unix:/path. If it is empty, it starts a daemon of its own, which
@@ -72,6 +75,7 @@ func (c *connector) client(ctx context.Context) (*Client, error) {
 		connection.Close()
 		return nil, err
 	}
+	client.features = features.Of(client.info, c.address)
 	return client, nil
 }
 
@@ -274,7 +278,7 @@ func (c *Client) Stream(ctx context.Context, scene *Scene, options StreamOptions
 	}
 	id := scene.GetSceneId()
 	return openStream(c.connector.streamContext(ctx, id), connection, id, options, c.info.GetLimits().GetMaxMessageBytes(),
-		c.connector.options.Deadline)
+		c.connector.options.Deadline, c.features)
 }
 
 // Resume resumes a scene whose stream broke, and takes it over from one that may still be open: send the frames after the new
@@ -290,7 +294,7 @@ func (c *Client) Watch(ctx context.Context, sceneID string, options WatchOptions
 	if err != nil {
 		return nil, err
 	}
-	return openWatcher(c.connector.streamContext(ctx, sceneID), connection, sceneID, options, c.connector.options.Deadline)
+	return openWatcher(c.connector.streamContext(ctx, sceneID), connection, sceneID, options, c.connector.options.Deadline, c.features)
 }
 
 // Session creates a scene and a stream that survive the loss of the connection and of the daemon. The session ends with ctx.
@@ -304,6 +308,9 @@ func (c *Client) Session(ctx context.Context, spec *SceneSpec, meshes []Mesh, op
 
 func call[Q, A any](ctx context.Context, c *Client, sceneID string,
 	method func(context.Context, *Q, ...grpc.CallOption) (*A, error), request *Q) (*A, error) {
+	if lack := c.features.CheckCall(any(request).(proto.Message)); lack != nil {
+		return nil, errorOfLack(lack)
+	}
 	ctx, cancel := c.connector.callContext(ctx, sceneID, 0)
 	defer cancel()
 	answer, err := method(ctx, request)

@@ -6,7 +6,7 @@ import (
 
 	"google.golang.org/grpc/codes"
 
-	v1 "collided/client/go/v1"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // Contacts of one kind in canonical order. Each slice has an entry for each contact, or is empty if it was not requested or

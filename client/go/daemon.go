@@ -15,9 +15,10 @@ import (
 )
 
 const (
-	readyPatience = 60 * time.Second
-	stopPatience  = 10 * time.Second
-	poll          = 5 * time.Millisecond
+	readyPatience   = 60 * time.Second
+	compilePatience = 30 * time.Minute // a GPU's driver may have to compile the kernels
+	stopPatience    = 10 * time.Second
+	poll            = 5 * time.Millisecond
 )
 
 // Its only client may use everything.
@@ -40,6 +41,10 @@ type Daemon struct {
 
 // FindDaemon tells where the daemon's program is: $COLLIDED_DAEMON, or collided on the PATH. NotFound if there is none.
 func FindDaemon() (string, error) {
+	if runtime.GOOS != "linux" {
+		return "", failf(codes.NotFound, "", "the daemon runs on Linux, and this is %s: run it in a container, in WSL or on a Linux "+
+			"host, and connect to its address", runtime.GOOS)
+	}
 	if named := os.Getenv("COLLIDED_DAEMON"); named != "" {
 		if _, err := exec.LookPath(named); err != nil {
 			return "", failf(codes.NotFound, "", "COLLIDED_DAEMON is '%s', which is not a program", named)
@@ -138,13 +143,11 @@ func (d *Daemon) run(started chan<- error) {
 }
 
 func (d *Daemon) waitUntilReady(ctx context.Context) error {
-	late := time.After(readyPatience)
+	start := time.Now()
 	for {
 		select {
 		case <-d.ended:
 			return failf(codes.Unavailable, "", "the daemon ended before it was ready%s", d.lastWords())
-		case <-late:
-			return failf(codes.Unavailable, "", "the daemon was not ready in %v", readyPatience)
 		case <-ctx.Done():
 			return contextError(ctx.Err())
 		case <-time.After(poll):
@@ -157,7 +160,16 @@ func (d *Daemon) waitUntilReady(ctx context.Context) error {
 			d.Addresses = strings.Fields(string(ready))
 			return nil
 		}
+		if took := time.Since(start); took > readyPatience && (took > compilePatience || !d.compiles()) {
+			return failf(codes.Unavailable, "", "the daemon was not ready in %v", took.Round(time.Second))
+		}
 	}
+}
+
+// compiles tells whether the daemon has said that kernels are being compiled, which takes longer than any other start.
+func (d *Daemon) compiles() bool {
+	log, _ := os.ReadFile(d.file("log"))
+	return bytes.Contains(log, []byte("compiling the kernels"))
 }
 
 func (d *Daemon) lastWords() string {

@@ -11,7 +11,8 @@ import (
 	"google.golang.org/grpc/status"
 	"google.golang.org/protobuf/proto"
 
-	v1 "collided/client/go/v1"
+	"collided.invalid/client/go/internal/features"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // Error is what every function of this package fails with. Is tells context.Canceled and context.DeadlineExceeded.
@@ -50,6 +51,10 @@ func failf(code codes.Code, field, format string, arguments ...any) *Error {
 // invalidf is of a value that is refused before it is sent; its message begins with the field.
 func invalidf(field, format string, arguments ...any) *Error {
 	return failf(codes.InvalidArgument, field, "%s "+format, append([]any{field}, arguments...)...)
+}
+
+func errorOfLack(lack *features.Lack) *Error {
+	return failf(codes.Unimplemented, lack.What, "%s", lack.Message)
 }
 
 func contextError(err error) error {

@@ -5,7 +5,7 @@ import (
 
 	"google.golang.org/protobuf/proto"
 
-	v1 "collided/client/go/v1"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // Frame is one step. What is not set is the scene's; proto/collided/v1/frame.proto describes each field.

@@ -1,4 +1,4 @@
-module collided/client/go
+module collided.invalid/client/go
 
 go 1.19
 

@@ -8,7 +8,7 @@ import (
 
 	"google.golang.org/protobuf/proto"
 
-	v1 "collided/client/go/v1"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // Mesh of a scene, of triangles, loose edges and loose points, of any of which it has one or more. Vertices are numbered

@@ -1,6 +1,6 @@
 package collided
 
-import v1 "collided/client/go/v1"
+import v1 "collided.invalid/client/go/v1"
 
 // Short names of messages and values that are used most; package v1 has all of them, and says what they mean.
 type (

@@ -3,7 +3,7 @@ package collided
 import (
 	"google.golang.org/grpc/codes"
 
-	v1 "collided/client/go/v1"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // Output is the daemon's whole answer to one frame. One that was refused or skipped has no contacts.

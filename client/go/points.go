@@ -1,6 +1,6 @@
 package collided
 
-import v1 "collided/client/go/v1"
+import v1 "collided.invalid/client/go/v1"
 
 // ElementKind is what the second feature of a vertex-triangle contact is.
 type ElementKind int

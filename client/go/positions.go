@@ -5,7 +5,7 @@ import (
 	"fmt"
 	"math"
 
-	v1 "collided/client/go/v1"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // Positions of vertices, x y z each, as a scene's format has them: F32, F64 or Q16.

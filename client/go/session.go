@@ -8,7 +8,7 @@ import (
 
 	"google.golang.org/grpc/codes"
 
-	v1 "collided/client/go/v1"
+	v1 "collided.invalid/client/go/v1"
 )
 
 const (

@@ -11,7 +11,8 @@ import (
 	"google.golang.org/grpc/codes"
 	"google.golang.org/protobuf/proto"
 
-	v1 "collided/client/go/v1"
+	"collided.invalid/client/go/internal/features"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // StreamOptions tell how a stream is opened.
@@ -32,6 +33,7 @@ type Stream struct {
 	cancel     context.CancelFunc
 	opened     *v1.StreamOpened
 	maxBytes   uint64
+	features   *features.Features
 	deadline   time.Duration // for the first answer, and for the next one once no more frames will come
 	maySkip    bool          // LATEST_WINS
 	size       sceneSize     // as of the opening
@@ -59,9 +61,9 @@ type inFlight struct {
 }
 
 func openStream(ctx context.Context, connection *grpc.ClientConn, sceneID string, options StreamOptions,
-	maxBytes uint64, deadline time.Duration) (*Stream, error) {
+	maxBytes uint64, deadline time.Duration, known *features.Features) (*Stream, error) {
 	ctx, cancel := context.WithCancel(ctx)
-	s := &Stream{connection: connection, cancel: cancel, maxBytes: maxBytes, deadline: deadline,
+	s := &Stream{connection: connection, cancel: cancel, maxBytes: maxBytes, deadline: deadline, features: known,
 		maySkip: options.Delivery == v1.DeliveryPolicy_DELIVERY_POLICY_LATEST_WINS,
 		ended:   make(chan struct{}), written: make(chan struct{}), news: make(chan struct{})}
 	if err := s.open(ctx, sceneID, options); err != nil {
@@ -80,10 +82,13 @@ func openStream(ctx context.Context, connection *grpc.ClientConn, sceneID string
 }
 
 func (s *Stream) open(ctx context.Context, sceneID string, options StreamOptions) (err error) {
+	open := &v1.OpenStream{SceneId: sceneID, Window: options.Window, Delivery: options.Delivery, ResumeToken: options.ResumeToken}
+	if lack := s.features.Check(open, "open"); lack != nil {
+		return errorOfLack(lack)
+	}
 	if s.call, err = v1.NewCollisionServiceClient(s.connection).StreamFrames(ctx); err != nil {
 		return errorOf(err)
 	}
-	open := &v1.OpenStream{SceneId: sceneID, Window: options.Window, Delivery: options.Delivery, ResumeToken: options.ResumeToken}
 	// If it fails, Recv says why.
 	_ = s.call.Send(&v1.StreamFramesRequest{Request: &v1.StreamFramesRequest_Open{Open: open}})
 	answer, err := firstWithin(s.deadline, s.cancel, s.call.Recv)
@@ -271,6 +276,9 @@ var errFinished error = failf(codes.FailedPrecondition, "", "the stream has ende
 
 // post sends a frame. answer: where its output goes; nil: to Receive.
 func (s *Stream) post(ctx context.Context, frame *v1.Frame, answer chan *Output) (uint64, error) {
+	if lack := s.features.Check(frame, "frame"); lack != nil {
+		return 0, errorOfLack(lack)
+	}
 	if err := s.takeCredit(ctx); err != nil {
 		return 0, err
 	}

@@ -9,7 +9,8 @@ import (
 	"google.golang.org/grpc"
 	"google.golang.org/grpc/codes"
 
-	v1 "collided/client/go/v1"
+	"collided.invalid/client/go/internal/features"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // WatchOptions tell what a watcher sees, and how often. The daemon checks them.
@@ -55,7 +56,7 @@ type Watcher struct {
 }
 
 func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID string, options WatchOptions,
-	deadline time.Duration) (*Watcher, error) {
+	deadline time.Duration, known *features.Features) (*Watcher, error) {
 	ctx, cancel := context.WithCancel(ctx)
 	w := &Watcher{connection: connection, cancel: cancel}
 	request := &v1.WatchSceneRequest{
@@ -65,6 +66,10 @@ func openWatcher(ctx context.Context, connection *grpc.ClientConn, sceneID strin
 		MaxContactsPerKind: options.MaxContactsPerKind,
 		PositionMeshes:     options.PositionMeshes,
 		VertexStride:       options.VertexStride,
+	}
+	if lack := known.CheckCall(request); lack != nil {
+		w.Close()
+		return nil, errorOfLack(lack)
 	}
 	var err error
 	if w.call, err = v1.NewCollisionServiceClient(connection).WatchScene(ctx, request); err == nil {

@@ -13,7 +13,8 @@ import prose
 
 Field = descriptor_pb2.FieldDescriptorProto
 # Numbers of the lists in descriptor.proto, of which the paths of comments consist.
-FILE_MESSAGES, FILE_ENUMS, FILE_SERVICES, MESSAGE_FIELDS, MESSAGE_MESSAGES, MESSAGE_ENUMS = 4, 5, 6, 2, 3, 4
+FILE_MESSAGES, FILE_ENUMS, FILE_SERVICES, FILE_OPTIONS = 4, 5, 6, 7
+MESSAGE_FIELDS, MESSAGE_MESSAGES, MESSAGE_ENUMS = 2, 3, 4
 VALUES = METHODS = 2
 
 
@@ -44,6 +45,9 @@ class Page:
             self._message(message, (FILE_MESSAGES, i), self.package)
         for i, enum in enumerate(file.enum_type):
             self._enum(enum, (FILE_ENUMS, i), self.package)
+        for i, option in enumerate(file.extension):
+            head = f"``{option.name}`` = {option.number}: {type_of(option, None)}, of {ref(option.extendee)}"
+            self._entry(head, (FILE_OPTIONS, i), f"{self.package}.{option.name}")
 
     def text(self):
         return "\n".join(self.lines) + "\n"
@@ -108,7 +112,7 @@ def ref(full_name):
 def type_of(field, message):
     kind = Field.Type.Name(field.type).removeprefix("TYPE_").lower()
     text = ref(field.type_name) if field.type_name else kind
-    for nested in message.nested_type:
+    for nested in message.nested_type if message else ():
         if nested.options.map_entry and field.type_name.endswith("." + nested.name):
             return f"map of {type_of(nested.field[0], nested)} to {type_of(nested.field[1], nested)}"
     if field.label == Field.LABEL_REPEATED:

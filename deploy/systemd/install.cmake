@@ -19,6 +19,12 @@ if(COLLIDED_HAVE_CUDA)
   set(AFTER " collided-nvidia.service")
   set(RELATIONS "Wants=collided-nvidia.service\n")
   set(DEVICES "DevicePolicy=closed\nDeviceAllow=char-nvidia* rw")
+  # The user has no home folder, where the driver would keep them.
+  set(KERNEL_CACHE "\
+# Kernels that the driver has compiled for GPUs that the build has no code for.
+CacheDirectory=collided
+CacheDirectoryMode=0700
+Environment=CUDA_CACHE_PATH=/var/cache/collided/cuda CUDA_CACHE_MAXSIZE=1073741824\n")
 endif()
 
 set(RUNTIME collided)

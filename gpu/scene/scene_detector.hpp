@@ -338,12 +338,4 @@ class SceneDetector final : public Detector {
   ListLengths told_;  ///< to scenes alike, or by them
 };
 
-template <Executor Exec, class... ExecArgs>
-std::unique_ptr<Detector> make_scene_detector(SceneSpec spec, FeatureTables features, const PartOf* part,
-                                              ExecArgs... args) {
-  return with_real(spec.scalar, [&]<class Real>(Real) -> std::unique_ptr<Detector> {
-    return std::make_unique<SceneDetector<Exec, Real>>(std::move(spec), std::move(features), part, args...);
-  });
-}
-
 }  // namespace collided

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "server/auth/secret_file.hpp"
-#include "server/config/text_file.hpp"
+#include "server/config/file/text_file.hpp"
 
 namespace collided::server {
 namespace {

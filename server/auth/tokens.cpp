@@ -7,11 +7,11 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
-#include <toml.hpp>
 
 #include "server/auth/secret_file.hpp"
 #include "server/config/accuracy_names.hpp"
-#include "server/config/text_file.hpp"
+#include "server/config/file/text_file.hpp"
+#include "server/config/file/toml_value.hpp"
 
 namespace collided::server {
 namespace {
@@ -24,7 +24,7 @@ constexpr double kMaxCount = 1'000'000, kMaxMegabytes = 1 << 24, kMaxRate = 1e9,
 class Entry {
  public:
   Entry(const std::string& path, const toml::value& value)
-      : where_(path + ":" + std::to_string(value.location().line()) + ": "), value_(value) {
+      : where_(path + ":" + std::to_string(line_of(value)) + ": "), value_(value) {
     if (!value.is_table()) refuse("tokens must be tables: [[tokens]]");
     for (const auto& [key, unused] : value.as_table())
       if (std::ranges::find(kKeys, key) == std::end(kKeys)) refuse(unknown_key());
@@ -62,7 +62,7 @@ class Entry {
 
   std::string text(const char* key, size_t min, size_t max) const {
     if (!has(key) || !value_.at(key).is_string()) refuse(std::string(key) + " is not a string");
-    const std::string text = value_.at(key).as_string().str;
+    const std::string text = text_in(value_.at(key));
     if (text.size() < min || text.size() > max)
       refuse(std::string(key) + " has " + std::to_string(text.size()) + " bytes, not " + std::to_string(min) + " to " +
              std::to_string(max));
@@ -123,8 +123,8 @@ class Entry {
 toml::value parse_toml(const std::string& path) try {
   std::istringstream text(read_toml_text(path, kMaxFileBytes));
   return toml::parse(text, path);
-} catch (const toml::exception& error) {
-  throw ConfigError(path + ":" + std::to_string(error.location().line()) + ": is not valid TOML");
+} catch (const TomlError& error) {
+  throw ConfigError(path + ":" + std::to_string(line_of(error)) + ": is not valid TOML");
 } catch (const ConfigError&) {
   throw;
 } catch (const std::exception&) {
@@ -134,7 +134,7 @@ toml::value parse_toml(const std::string& path) try {
 const toml::array& entries_of(const toml::value& root, const std::string& path) {
   for (const auto& [key, value] : root.as_table())  // a key may be a token that was put in the wrong place
     if (key != "tokens")
-      throw ConfigError(path + ":" + std::to_string(value.location().line()) +
+      throw ConfigError(path + ":" + std::to_string(line_of(value)) +
                         ": has a key that is not one of the file's; tokens are written as [[tokens]]");
   if (!root.contains("tokens") || !root.at("tokens").is_array() || root.at("tokens").as_array().empty())
     throw ConfigError(path + ": has no [[tokens]]");

@@ -3,18 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "gpu/detector.hpp"
+#include "server/config/file/config_error.hpp"
 
 namespace collided::server {
-
-/// An invalid option, or an unusable file that an option names.
-class ConfigError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// Limits of one client; a token may set its own. Scenes, bytes and streams default to a quarter of the daemon's.
 struct ClientLimits {

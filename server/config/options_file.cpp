@@ -3,10 +3,10 @@
 #include <iomanip>
 #include <limits>
 #include <sstream>
-#include <toml.hpp>
 
+#include "server/config/file/text_file.hpp"
+#include "server/config/file/toml_value.hpp"
 #include "server/config/options.hpp"
-#include "server/config/text_file.hpp"
 
 namespace collided::server {
 namespace {
@@ -24,7 +24,7 @@ std::string text_of_integer(int64_t value, const std::string& where) {
 
 // As in a flag or variable.
 std::string text_of(const toml::value& value, const std::string& where) {
-  if (value.is_string()) return value.as_string().str;
+  if (value.is_string()) return text_in(value);
   if (value.is_boolean()) return value.as_boolean() ? "true" : "false";
   if (value.is_integer()) return text_of_integer(value.as_integer(), where);
   if (!value.is_floating()) throw ConfigError(where + " is neither a string nor a number nor a boolean");
@@ -45,7 +45,7 @@ std::vector<std::string> texts_of(const toml::value& value, const std::string& w
 }
 
 void set_option(CLI::App& app, const std::string& path, const std::string& key, const toml::value& value) {
-  const auto where = path + ":" + std::to_string(value.location().line()) + ": " + key;
+  const auto where = path + ":" + std::to_string(line_of(value)) + ": " + key;
   auto* option = app.get_option_no_throw("--" + key);
   if (!option || !option->get_configurable()) throw ConfigError(where + " is not an option");
   const auto texts = texts_of(value, where);
@@ -54,7 +54,7 @@ void set_option(CLI::App& app, const std::string& path, const std::string& key, 
     for (const auto& text : texts) option->add_result(text);
     option->run_callback();
   } catch (const CLI::Error& error) {
-    throw ConfigError(path + ":" + std::to_string(value.location().line()) + ": " + error.what());
+    throw ConfigError(path + ":" + std::to_string(line_of(value)) + ": " + error.what());
   }
 }
 
@@ -62,9 +62,9 @@ void set_option(CLI::App& app, const std::string& path, const std::string& key, 
 toml::value parse_toml(const std::string& path) try {
   std::istringstream text(read_toml_text(path, kMaxFileBytes));
   return toml::parse(text, path);
-} catch (const toml::exception& error) {
+} catch (const TomlError& error) {
   const std::string what = error.what();
-  throw ConfigError(path + ":" + std::to_string(error.location().line()) + ": " + what.substr(0, what.find('\n')));
+  throw ConfigError(path + ":" + std::to_string(line_of(error)) + ": " + what.substr(0, what.find('\n')));
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ constexpr PerField<FieldNumber> kFieldNumbers{
 
 // The wanted fields that exist for this kind at the frame's accuracy.
 OutputFields available(OutputFields fields, ContactKind kind, const ContactSet& set) {
-  fields.stencils &= stencil_maker(kind) != nullptr;
+  fields.stencils &= stencil_finder(kind) != nullptr;
   for_each_field(
       [&](ContactField field, const auto& column) {
         if (column.empty()) fields.columns = fields.columns.without(field);
@@ -70,7 +70,7 @@ MadeArrays Chunk::make_arrays(const Topology& topology) const {
   MadeArrays made;
   if (fields.stencils) {
     made.stencils.reserve(count());
-    const MakeStencil stencil = stencil_maker(kind);
+    const FindVertices stencil = stencil_finder(kind);
     for (size_t i = begin; i < end; ++i) made.stencils.push_back(stencil(set->elements[i], topology));
   }
   if (fields.worlds) {

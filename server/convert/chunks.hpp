@@ -8,6 +8,7 @@
 
 #include "collided/v1/contact.pb.h"
 #include "gpu/detector.hpp"
+#include "gpu/stencil.hpp"
 #include "server/convert/kinds.hpp"
 #include "server/scenes/scene_plan.hpp"
 
@@ -27,7 +28,7 @@ std::vector<PlacedArray> arrays_of(const PlacedContacts& placed);
 
 /// The arrays of a chunk that are stored nowhere; those that were not asked for are empty.
 struct MadeArrays {
-  std::vector<Stencil> stencils;
+  std::vector<ContactVertices> stencils;
   std::vector<uint32_t> worlds;
 
   /// Those that there are, in the order of their fields.

@@ -1,6 +1,7 @@
 // Facts about scenes, devices and limits.
 #include "server/convert/facts.hpp"
 
+#include "gpu/stencil.hpp"
 #include "server/convert/kinds.hpp"
 #include "server/convert/meshes.hpp"
 #include "server/convert/options.hpp"
@@ -83,7 +84,7 @@ void fill_part(const MemoryPart& part, pb::MemoryPart* out) {
 // Of the wanted fields, those that the engine makes for this kind; none: no contacts are sent.
 uint32_t contact_bytes_of(ContactKind kind, FieldSet made, const OutputFields& wanted) {
   if (made == FieldSet{}) return 0;
-  const OutputFields sent{made & wanted.columns, wanted.stencils && stencil_maker(kind) != nullptr};
+  const OutputFields sent{made & wanted.columns, wanted.stencils && stencil_finder(kind) != nullptr};
   return static_cast<uint32_t>(sent.contact_bytes());
 }
 
@@ -143,6 +144,13 @@ void fill_device(const DeviceState& device, pb::Device* out) {
   out->set_free_bytes(device.free_bytes);
   out->set_scenes(device.scenes);
   out->set_load(device.load);
+}
+
+void fill_unusable(const UnusableDevice& device, pb::UnusableDevice* out) {
+  out->set_backend(pb::BACKEND_CUDA);
+  if (device.device) out->set_id(to_string(*device.device));
+  out->set_name(device.name);
+  out->set_reason(device.reason);
 }
 
 void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLimits* out) {

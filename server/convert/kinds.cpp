@@ -8,33 +8,21 @@
 namespace collided::server {
 namespace {
 
-Stencil vertex_triangle_stencil(const std::array<uint32_t, 2>& elements, const Topology& topology) {
-  const auto& triangle = topology.triangles[elements[1]];
-  return {elements[0], triangle[0], triangle[1], triangle[2]};
-}
-
-Stencil edge_edge_stencil(const std::array<uint32_t, 2>& elements, const Topology& topology) {
-  const auto &a = topology.edges[elements[0]], &b = topology.edges[elements[1]];
-  return {a[0], a[1], b[0], b[1]};
-}
-
 // What the protocol does not have of a kind is null.
 struct Kind {
   using SetCount = void (pb::FrameCounts::*)(uint64_t);
 
   pb::ContactKind message;
-  MakeStencil stencil;
   SetCount set_candidates, set_survivors, set_contacts;
 };
 
 constexpr PerKind<Kind> kKinds{
-    .vertex_triangle = {pb::CONTACT_KIND_VERTEX_TRIANGLE, vertex_triangle_stencil,
-                        &pb::FrameCounts::set_candidates_vertex_triangle,
+    .vertex_triangle = {pb::CONTACT_KIND_VERTEX_TRIANGLE, &pb::FrameCounts::set_candidates_vertex_triangle,
                         &pb::FrameCounts::set_survivors_vertex_triangle,
                         &pb::FrameCounts::set_contacts_vertex_triangle},
-    .edge_edge = {pb::CONTACT_KIND_EDGE_EDGE, edge_edge_stencil, &pb::FrameCounts::set_candidates_edge_edge,
+    .edge_edge = {pb::CONTACT_KIND_EDGE_EDGE, &pb::FrameCounts::set_candidates_edge_edge,
                   &pb::FrameCounts::set_survivors_edge_edge, &pb::FrameCounts::set_contacts_edge_edge},
-    .triangle_triangle = {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, nullptr, nullptr, nullptr,
+    .triangle_triangle = {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, nullptr, nullptr,
                           &pb::FrameCounts::set_contacts_triangle_triangle}};
 
 bool& wanted(SceneSpec& engine, pb::ContactKind message, int index) {
@@ -67,8 +55,6 @@ void fill_kinds(const SceneSpec& engine, pb::SceneSpec* out) {
 }
 
 pb::ContactKind to_message(ContactKind kind) { return value_of(kKinds, kind).message; }
-
-MakeStencil stencil_maker(ContactKind kind) { return value_of(kKinds, kind).stencil; }
 
 void fill_counts_of_kinds(const FrameCounts& counts, pb::FrameCounts* out) {
   const auto set = [&](Kind::SetCount setter, uint64_t count) {

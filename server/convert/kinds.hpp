@@ -1,9 +1,6 @@
 #pragma once
 // The kinds of contacts as the protocol has them: a kind is one row in kinds.cpp.
 
-#include <array>
-#include <cstdint>
-
 #include "collided/v1/contact.pb.h"
 #include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
@@ -13,19 +10,11 @@ namespace collided::server {
 
 namespace pb = collided::v1;
 
-/// Four scene-wide vertex ids.
-using Stencil = std::array<uint32_t, 4>;
-
 /// Sets the kinds that the scene asks for; the engine's own if it asks for none. Throws InvalidInput.
 void parse_kinds(const pb::SceneSpec& spec, SceneSpec& engine);
 void fill_kinds(const SceneSpec& engine, pb::SceneSpec* out);
 
 pb::ContactKind to_message(ContactKind kind);
-
-/// Makes a contact's stencil of its two features.
-using MakeStencil = Stencil (*)(const std::array<uint32_t, 2>& elements, const Topology& topology);
-/// Null for a kind without stencils.
-MakeStencil stencil_maker(ContactKind kind);
 
 /// Candidates, survivors and contacts of each kind, where the protocol counts them.
 void fill_counts_of_kinds(const FrameCounts& counts, pb::FrameCounts* out);

@@ -27,6 +27,11 @@ std::vector<std::string> ids_of(const std::vector<Device>& devices) {
   return ids;
 }
 
+// `why`: empty where the machine has a device, but the daemon does not serve it.
+std::string no_cuda_text(const std::string& why) {
+  return "spec.backend is BACKEND_CUDA, but this daemon has no usable CUDA device" + (why.empty() ? "" : ": " + why);
+}
+
 Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
   if (wanted == pb::BACKEND_UNSPECIFIED)
     wanted = defaults.backend == "cpu"    ? pb::BACKEND_CPU
@@ -36,7 +41,7 @@ Backend parse_backend(pb::Backend wanted, const SceneDefaults& defaults) {
   if (wanted != pb::BACKEND_CPU && wanted != pb::BACKEND_CUDA)
     throw_unknown("spec.backend", wanted, {pb::BACKEND_AUTO, pb::BACKEND_CPU, pb::BACKEND_CUDA});
   if (wanted == pb::BACKEND_CUDA && !serves(defaults, Backend::kCuda))
-    throw FailedPrecondition("spec.backend", "spec.backend is BACKEND_CUDA, but this daemon has no usable CUDA device");
+    throw FailedPrecondition("spec.backend", no_cuda_text(cuda_obstacle()));
   if (wanted == pb::BACKEND_CPU && !serves(defaults, Backend::kCpu))
     throw FailedPrecondition("spec.backend", fmt::format("spec.backend is BACKEND_CPU, but this daemon serves only {}",
                                                          fmt::join(ids_of(defaults.devices), ", ")));

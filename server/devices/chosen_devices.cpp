@@ -2,6 +2,7 @@
 #include "server/devices/chosen_devices.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <thread>
 
 namespace collided::server {
@@ -10,6 +11,11 @@ namespace {
 int count_cpus(const Config& config) {
   return static_cast<int>(std::ranges::count_if(named_devices(config),
                                                 [](const Device& device) { return device.backend == Backend::kCpu; }));
+}
+
+std::string without_field(std::string_view what) {
+  constexpr std::string_view kField = "device: ";
+  return std::string(what.starts_with(kField) ? what.substr(kField.size()) : what);
 }
 
 // The CPU has whatever ordinals are named.
@@ -24,8 +30,8 @@ DeviceInfo info_of(const Device& device, const std::vector<DeviceInfo>& there) t
   return info;
 } catch (const InvalidInput& error) {
   throw ConfigError(std::string("--") + error.what());
-} catch (const DeviceError&) {
-  throw ConfigError("--device is " + to_string(device) + ", but there is no usable CUDA device");
+} catch (const DeviceError& error) {
+  throw ConfigError("--device is " + to_string(device) + ", which cannot be used: " + without_field(error.what()));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <chrono>
 #include <future>
 #include <map>
 #include <stdexcept>
@@ -47,31 +48,67 @@ uint64_t limit_of(const DeviceInfo& info, uint64_t devices, uint64_t of_all) {
   return info.device.backend == Backend::kCpu ? of_all / devices : std::min(of_all, info.memory_bytes / 10 * 9);
 }
 
-bool can_be_used(const Device& device) try {
-  return free_device_memory(device) > 0;
-} catch (const std::runtime_error&) {
-  return false;
+// Returns why a device cannot be used; empty if it can.
+std::string memory_obstacle(const Device& device) try {
+  return device.backend == Backend::kCpu || free_device_memory(device) > 0 ? "" : "it has no free memory";
+} catch (const std::runtime_error& error) {
+  return error.what();
+}
+
+std::string kernels_obstacle(const Device& device) try {
+  const auto start = std::chrono::steady_clock::now();
+  load_kernels(device);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  log_event(spdlog::level::info, "kernels loaded", {{"device", to_string(device)}, {"seconds", took.count()}});
+  return "";
+} catch (const std::runtime_error& error) {
+  return error.what();
+}
+
+// One after another: devices that are alike find the kernels of the first in the driver's cache.
+std::vector<std::string> load_all_kernels(const std::vector<DeviceInfo>& devices) {
+  std::vector<std::string> obstacles;
+  for (const DeviceInfo& info : devices)
+    obstacles.push_back(info.needs_compilation ? kernels_obstacle(info.device) : "");
+  return obstacles;
 }
 
 // Where scenes are placed by free memory, which only a device that is ready for work tells. All at once, since that
 // takes a while.
-std::vector<DeviceInfo> usable(const Config& config, std::vector<DeviceInfo> devices) {
-  if (count_of(devices, Backend::kCuda) < 2) return devices;
-  std::vector<std::future<bool>> answers;
+void ask_for_memory(const std::vector<DeviceInfo>& devices, std::vector<std::string>& obstacles) {
+  if (count_of(devices, Backend::kCuda) < 2) return;
+  std::vector<std::future<std::string>> answers;
   for (const DeviceInfo& info : devices)
-    answers.push_back(std::async(
-        std::launch::async, [device = info.device] { return device.backend == Backend::kCpu || can_be_used(device); }));
+    answers.push_back(std::async(std::launch::async, [device = info.device] { return memory_obstacle(device); }));
+  for (size_t i = 0; i < devices.size(); ++i)
+    if (std::string why = answers[i].get(); obstacles[i].empty()) obstacles[i] = std::move(why);
+}
+
+// Moves those that do not work from `devices` to what this returns.
+std::vector<UnusableDevice> take_unusable(const Config& config, std::vector<DeviceInfo>& devices) {
+  std::vector<std::string> obstacles = load_all_kernels(devices);
+  ask_for_memory(devices, obstacles);
+  std::vector<UnusableDevice> unusable = config.devices.empty() ? unusable_devices() : std::vector<UnusableDevice>();
   std::vector<DeviceInfo> working;
   for (size_t i = 0; i < devices.size(); ++i) {
-    const std::string id = to_string(devices[i].device);
-    if (answers[i].get())
+    if (obstacles[i].empty())
       working.push_back(std::move(devices[i]));
     else if (!config.devices.empty())
-      throw ConfigError("--device is " + id + ", which does not work");
+      throw ConfigError("--device is " + to_string(devices[i].device) + ", which does not work: " + obstacles[i]);
     else
-      log_event(spdlog::level::warn, "a device does not work, and is not served", {{"device", id}});
+      unusable.push_back({devices[i].device, devices[i].name, "it does not work: " + obstacles[i]});
   }
-  return working;
+  devices = std::move(working);
+  return unusable;
+}
+
+void check_backend(const Config& config, const std::vector<DeviceInfo>& devices,
+                   const std::vector<UnusableDevice>& unusable) {
+  if (config.backend != "cuda" || count_of(devices, Backend::kCuda) > 0) return;
+  std::string why;
+  for (const UnusableDevice& each : unusable) why += (why.empty() ? "" : "; ") + to_string(each);
+  throw std::runtime_error("--backend is cuda, but there is no usable CUDA device: " +
+                           (why.empty() ? cuda_obstacle() : why));
 }
 
 // Of a scene in parts, which hold the same each.
@@ -89,8 +126,10 @@ auto& find_in(auto& served, const Device& device) {
 
 }  // namespace
 
-std::vector<DeviceTerms> device_terms(const Config& config, const Now& now) {
-  const std::vector<DeviceInfo> devices = usable(config, chosen_devices(config));
+DevicesAtStart devices_at_start(const Config& config, const Now& now) {
+  std::vector<DeviceInfo> devices = chosen_devices(config);
+  std::vector<UnusableDevice> unusable = take_unusable(config, devices);
+  check_backend(config, devices, unusable);
   std::vector<DeviceTerms> terms;
   for (const DeviceInfo& info : devices) {
     const Backend backend = info.device.backend;
@@ -98,7 +137,7 @@ std::vector<DeviceTerms> device_terms(const Config& config, const Now& now) {
     terms.push_back({info, threads_of_scene(config, backend), turn_options(config, backend, of_its_kind, now),
                      limit_of(info, of_its_kind, config.limits.max_device_bytes)});
   }
-  return terms;
+  return {std::move(terms), std::move(unusable)};
 }
 
 ServedDevices::Served::Served(DeviceTerms given)
@@ -107,8 +146,12 @@ ServedDevices::Served::Served(DeviceTerms given)
       bytes(std::make_shared<DeviceBytes>("device:" + to_string(terms.info.device),
                                           "max_device_bytes of " + to_string(terms.info.device), terms.max_bytes)) {}
 
-ServedDevices::ServedDevices(std::vector<DeviceTerms> terms, const Now& now) : host_turns_(host_turn_options(now)) {
-  for (DeviceTerms& each : terms) served_.emplace_back(std::move(each));
+ServedDevices::ServedDevices(std::vector<DeviceTerms> terms, const Now& now)
+    : ServedDevices(DevicesAtStart{std::move(terms)}, now) {}
+
+ServedDevices::ServedDevices(DevicesAtStart devices, const Now& now)
+    : unusable_(std::move(devices.unusable)), host_turns_(host_turn_options(now)) {
+  for (DeviceTerms& each : devices.terms) served_.emplace_back(std::move(each));
   has_several_gpus_ = count_of(infos(), Backend::kCuda) > 1;
 }
 

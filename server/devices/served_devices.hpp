@@ -26,9 +26,16 @@ struct DeviceTerms {
   uint64_t max_bytes = ~uint64_t{0};  ///< of its scenes
 };
 
-/// Those of a configuration. Throws ConfigError for a named device that is not there, or that fails; others that fail
-/// are left out.
-std::vector<DeviceTerms> device_terms(const Config& config, const Now& now);
+/// The devices of a configuration, ready for work.
+struct DevicesAtStart {
+  std::vector<DeviceTerms> terms = {};
+  std::vector<UnusableDevice> unusable = {};  ///< not served; none where the configuration names those to be served
+};
+
+/// Loads the kernels of devices whose drivers have to compile them, which takes minutes. Throws ConfigError for a named
+/// device that is not there, or that fails; others that fail are unusable. Throws std::runtime_error if the backend is
+/// CUDA and no CUDA device is left.
+DevicesAtStart devices_at_start(const Config& config, const Now& now);
 
 /// What a new scene asks for.
 struct DeviceWish {
@@ -64,6 +71,7 @@ class ServedDevices {
  public:
   /// In the order of their ids; one or more.
   explicit ServedDevices(std::vector<DeviceTerms> terms, const Now& now = Clock::now);
+  ServedDevices(DevicesAtStart devices, const Now& now);
 
   /// Of the devices that the wish allows and that have room, the one with the most free bytes for its load: free bytes
   /// divided by 1 + load; of equal ones the first. Throws LimitExceeded if there are several and none has room; where
@@ -82,6 +90,8 @@ class ServedDevices {
   std::vector<DeviceState> state() const;
   /// In order.
   std::vector<DeviceInfo> infos() const;
+  /// Devices that are not served because they cannot be used.
+  const std::vector<UnusableDevice>& unusable() const { return unusable_; }
 
  private:
   struct Served {
@@ -108,6 +118,7 @@ class ServedDevices {
   uint64_t free_bytes(const Served& served) const;
 
   std::deque<Served> served_;  // which never move
+  const std::vector<UnusableDevice> unusable_;
   Turns host_turns_;
   bool has_several_gpus_ = false;
   mutable std::mutex mutex_;

@@ -21,7 +21,7 @@ constexpr uint64_t kWatchesPerTrim = 8;  // trimming memory that is soon reused 
 SceneHost::SceneHost(const Config& config, SceneObserver& observer, const Now& now)
     : now_(now),
       limits_(config.limits),
-      devices_(device_terms(config, now), now),
+      devices_(devices_at_start(config, now), now),
       usage_(config.limits, now),
       scenes_(config.limits.max_scenes, config.limits.max_window,
               {devices_, observer, config.endpoint, now, config.name}),

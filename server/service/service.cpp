@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "proto/additions.hpp"
 #include "server/batch/detect_batch.hpp"
 #include "server/convert/facts.hpp"
 #include "server/errors.hpp"
@@ -87,8 +88,11 @@ void CollisionService::get_server_info(UnaryCall<pb::GetServerInfoRequest, pb::G
   response.set_version(COLLIDED_VERSION);
   for (const auto& device : order_devices(host_.devices().state(), config_.backend))
     fill_device(device, response.add_devices());
+  for (const auto& device : host_.devices().unusable()) fill_unusable(device, response.add_unusable_devices());
   fill_limits(host_.limits(), call.caller().client->limits, response.mutable_limits());
   response.set_local_socket(config_.local_socket);
+  static const auto kAdditions = pb::additions_of(*pb::GetServerInfoResponse::descriptor()->file());
+  for (const auto& [feature, release] : kAdditions) response.add_features(feature);
   call.finish();
 }
 

@@ -25,6 +25,10 @@ std::string status_line(std::string text) {
   return "\nSTATUS=" + text;
 }
 
+std::string extension(double seconds) {
+  return "EXTEND_TIMEOUT_USEC=" + std::to_string(static_cast<int64_t>(seconds * kMicroseconds));
+}
+
 int64_t monotonic_microseconds() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
@@ -34,6 +38,10 @@ int64_t monotonic_microseconds() {
 }  // namespace
 
 Supervisor::Supervisor() : timeout_(watchdog_timeout()) {}
+
+void Supervisor::starting(double seconds, const std::string& status) {
+  notify(extension(seconds) + status_line(status));
+}
 
 void Supervisor::ready(const std::vector<std::string>& addresses) {
   serves_ = "serves on " + join(addresses);
@@ -49,10 +57,7 @@ void Supervisor::reloaded(const std::string& problem) {
   notify("READY=1" + status_line(problem.empty() ? serves_ : serves_ + "; configuration not read again: " + problem));
 }
 
-void Supervisor::stopping(double seconds) {
-  const auto extension = static_cast<int64_t>(seconds * kMicroseconds);
-  notify("STOPPING=1\nEXTEND_TIMEOUT_USEC=" + std::to_string(extension) + status_line("stops"));
-}
+void Supervisor::stopping(double seconds) { notify("STOPPING=1\n" + extension(seconds) + status_line("stops")); }
 
 // A quarter, so that one late call, or a machine that is busy, is not taken for a stuck daemon.
 std::chrono::microseconds Supervisor::alive_interval() const {

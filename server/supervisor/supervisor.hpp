@@ -12,6 +12,8 @@ class Supervisor {
  public:
   Supervisor();
 
+  /// The start takes as long as `seconds` from now on: the service manager waits for that. `status`: what it waits for.
+  void starting(double seconds, const std::string& status);
   /// The daemon serves on `addresses`.
   void ready(const std::vector<std::string>& addresses);
   /// The configuration is being read again.

@@ -76,7 +76,7 @@ class Install(unittest.TestCase):
         cls.scratch = pathlib.Path(scratch.name)
         cls.root.put(repack(PATHS[cls.daemon], cls.scratch, cls.make_previous), "tmp/previous.deb")
         cls.root.put(PATHS[cls.daemon], "tmp/daemon.deb")
-        for name in ("libcollided-dev", "python3-collided"):
+        for name in ("libcollided1", "libcollided-dev", "python3-collided"):
             cls.root.put(PATHS[name], f"tmp/{name}.deb")
         for number, heights in enumerate(((1, 2), (-0.5, 0.5))):
             cls.root.write(f"srv/{number}.obj", FRAME.format(*heights))
@@ -126,7 +126,7 @@ class Install(unittest.TestCase):
         self.root.apt("install", "/tmp/python3-collided.deb")
         self.root.write("tmp/drop.py", PYTHON)
         self.assertEqual(self.serving("python3 /tmp/drop.py"), "0.667\n")
-        self.root.apt("install", "--simulate", "/tmp/libcollided-dev.deb")  # its dependencies are there
+        self.root.apt("install", "--simulate", "/tmp/libcollided1.deb", "/tmp/libcollided-dev.deb")  # their dependencies are there
 
     def test_5_the_service_runs_under_systemd(self):
         told = boot(self.root)

@@ -44,7 +44,7 @@ class Packages(unittest.TestCase):
         return next(name for name in self.packages if name in ("collided", "collided-cuda"))
 
     def test_there_is_one_for_each_part(self):
-        self.assertEqual(set(self.packages), {self.daemon(), "libcollided-dev", "python3-collided"})
+        self.assertEqual(set(self.packages), {self.daemon(), "libcollided1", "libcollided-dev", "python3-collided"})
         self.assertEqual({self.field(name, "Version") for name in self.packages}, {VERSION})
 
     def test_the_daemons_has_programs_pages_completions_configuration_and_units(self):
@@ -78,7 +78,16 @@ class Packages(unittest.TestCase):
     def test_the_development_package_has_headers_libraries_and_the_cmake_package(self):
         names = {pathlib.PurePath(path).name for path in self.paths("libcollided-dev")}
         self.assertLessEqual({"session.hpp", "local.hpp", "scene.pb.h", "libcollided_client.a", "libcollided_local.a",
-                              "collidedConfig.cmake"}, names)
+                              "collidedConfig.cmake", "collided.h", "libcollided.so", "collided.pc", "collided-c.pc"}, names)
+        self.assertIn(f"libcollided1 (= {VERSION})", self.field("libcollided-dev", "Depends"))
+
+    def test_the_librarys_package_has_it_alone_and_needs_nothing_of_the_daemons(self):
+        names = {path for path in self.paths("libcollided1") if path.startswith("/usr/lib/lib")}
+        self.assertEqual({name.partition(".so")[0] for name in names}, {"/usr/lib/libcollided"})
+        self.assertIn("/usr/lib/libcollided.so.1", names)
+        depends = self.field("libcollided1", "Depends")
+        self.assertIn("libtbb12", depends)
+        self.assertNotRegex(depends, "grpc|protobuf|ssl")
 
     def test_the_python_package_has_modules_messages_types_and_its_version(self):
         modules = "/usr/lib/python3/dist-packages/"

@@ -24,9 +24,8 @@ PROGRAM = """\
 
 #include <grpcpp/support/status_code_enum.h>
 
-#include "client/cpp/batch/scene_set.hpp"
-#include "client/cpp/session.hpp"
-#include "client/in_process/local.hpp"
+#include <collided/client.hpp>
+#include <collided/local.hpp>
 
 using namespace collided::client;
 using namespace std::chrono_literals;

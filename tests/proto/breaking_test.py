@@ -1,4 +1,4 @@
-"""check_breaking tells a protocol that breaks its clients, and this one breaks none of its last release."""
+"""check_breaking tells a protocol that breaks its clients, and this one breaks none of a release's."""
 
 import os
 import pathlib
@@ -10,7 +10,8 @@ import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
-NOTHING_TO_COMPARE = 77
+NO_BUF = 77
+RELEASES = "".join(f"compatible with {image.stem}\n" for image in sorted((REPOSITORY / "proto/releases").glob("*.binpb")))
 
 
 def run(*command, folder=REPOSITORY, **environment):
@@ -25,33 +26,33 @@ class Breaking(unittest.TestCase):
         self.copy = pathlib.Path(temporary.name)
         for folder in ("proto", "tests/proto"):
             shutil.copytree(REPOSITORY / folder, self.copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
-        for words in ("init -q", "add .", "-c user.name=a -c user.email=a@b commit -q -m a", "tag v0.0.1"):
+        for words in ("init -q", "add .", "-c user.name=a -c user.email=a@b commit -q -m a"):
             done = run("git", *words.split(), folder=self.copy)
             self.assertEqual(done.returncode, 0, done.stderr)
 
-    def check(self):
-        return run(self.copy / "tests/proto/check_breaking", folder=self.copy,
+    def check(self, *ref):
+        return run(self.copy / "tests/proto/check_breaking", *ref, folder=self.copy,
                    PATH=f"{pathlib.Path(BUF).parent}:{os.environ['PATH']}")
 
     def test_what_did_not_change_is_compatible(self):
         done = self.check()
-        self.assertEqual((done.returncode, done.stdout), (0, "compatible with v0.0.1\n"), done.stderr)
+        self.assertEqual((done.returncode, done.stdout), (0, RELEASES), done.stderr)
+        done = self.check("HEAD")
+        self.assertEqual((done.returncode, done.stdout), (0, "compatible with HEAD\n"), done.stderr)
 
     def test_a_field_with_another_number_is_not(self):
         file = self.copy / "proto/collided/v1/frame.proto"
         before = file.read_text()
         file.write_text(before.replace(" frame_id = 1;", " frame_id = 1000;", 1))
         self.assertNotEqual(before, file.read_text())
-        done = self.check()
-        self.assertNotIn(done.returncode, (0, NOTHING_TO_COMPARE), done.stderr)
-        self.assertIn("frame.proto", done.stdout + done.stderr)
+        for ref in ((), ("HEAD",)):
+            done = self.check(*ref)
+            self.assertNotIn(done.returncode, (0, NO_BUF), done.stderr)
+            self.assertIn("frame.proto", done.stdout + done.stderr)
 
-    def test_the_last_release_is_not_broken(self):
+    def test_no_release_is_broken(self):
         done = run(HERE / "check_breaking")
-        if done.returncode == NOTHING_TO_COMPARE:
-            self.assertEqual(done.stdout, "skipped: no release tag to compare with\n")
-        else:
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual((done.returncode, done.stdout), (0, RELEASES), done.stderr)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::chrono::milliseconds kReadyTimeout = 60s, kStopTimeout = 10s, kInterruptedTimeout = 1s, kPoll = 5ms;
+constexpr std::chrono::milliseconds kReadyTimeout = 60s, kCompileTimeout = 30min, kLogPoll = 1s;
+constexpr std::chrono::milliseconds kStopTimeout = 10s, kInterruptedTimeout = 1s, kPoll = 5ms;
 
 bool is_program(const fs::path& path) {
   std::error_code error;
@@ -109,6 +110,14 @@ std::string last_log_lines(const fs::path& log) {
   std::string out;
   for (const std::string& line : last) out += (out.empty() ? ": " : "; ") + line;
   return out;
+}
+
+/// The line of a daemon's log in which it says that the driver compiles its kernels; empty if there is none.
+std::string compiling_line(const fs::path& log) {
+  std::ifstream in(log);
+  for (std::string line; std::getline(in, line);)
+    if (const size_t at = line.find("compiling the kernels"); at != std::string::npos) return line.substr(at);
+  return "";
 }
 
 /// Gives the child its own process group, so that only collidectl gets the terminal's interrupts, and logs its output.
@@ -197,14 +206,26 @@ void OwnDaemon::start(const fs::path& program, const DaemonOptions& options) {
 }
 
 void OwnDaemon::wait_until_ready(const fs::path& program) {
-  const auto deadline = std::chrono::steady_clock::now() + kReadyTimeout;
+  const auto start = std::chrono::steady_clock::now();
+  auto timeout = kReadyTimeout;
+  auto next_look = start + kLogPoll;
   std::error_code error;
   while (!(fs::exists(directory_ / "ready", error) && fs::file_size(directory_ / "ready", error) > 0)) {
     if (has_ended())
       throw std::runtime_error("daemon " + program.string() + " ended with " + describe(status_) +
                                " before it was ready" + last_log_lines(directory_ / "log"));
-    if (std::chrono::steady_clock::now() > deadline)
-      throw std::runtime_error("daemon " + program.string() + " was not ready after 60 seconds");
+    const auto now = std::chrono::steady_clock::now();
+    if (now > next_look && timeout == kReadyTimeout) {
+      next_look = now + kLogPoll;
+      if (const std::string line = compiling_line(directory_ / "log"); !line.empty()) {
+        std::fprintf(stderr, "collidectl: waiting for its daemon: %s\n", line.c_str());
+        timeout = kCompileTimeout;
+      }
+    }
+    if (now > start + timeout)
+      throw std::runtime_error("daemon " + program.string() + " was not ready after " +
+                               std::to_string(std::chrono::duration_cast<std::chrono::seconds>(timeout).count()) +
+                               " seconds");
     std::this_thread::sleep_for(kPoll);
   }
 }

@@ -110,11 +110,9 @@ void RayScene::commit() {
 }
 
 std::optional<RayHit> RayScene::first_hit(const Vec3d& origin, const Vec3d& direction) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRayHit query{ray_of(origin, direction, std::numeric_limits<double>::infinity()), {}};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_, &context, &query);
+  find_hit(scene_, query);
   const RTCHit& hit = query.hit;
   if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   Vec3d normal{hit.Ng_x, hit.Ng_y, hit.Ng_z};
@@ -124,10 +122,8 @@ std::optional<RayHit> RayScene::first_hit(const Vec3d& origin, const Vec3d& dire
 }
 
 bool RayScene::is_blocked(const Vec3d& origin, const Vec3d& direction, double distance) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRay ray = ray_of(origin, direction, distance);
-  rtcOccluded1(scene_, &context, &ray);
+  find_any(scene_, ray);
   return ray.tfar < 0;
 }
 

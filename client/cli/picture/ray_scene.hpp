@@ -1,14 +1,13 @@
 #pragma once
 // Triangles, balls and tubes that rays meet: a scene of Embree.
 
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "client/cli/picture/embree.hpp"
 #include "client/scenes/vec3.hpp"
 
 namespace collided::cli {

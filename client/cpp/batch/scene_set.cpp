@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "client/cpp/batch/set_answer.hpp"
+#include "client/cpp/transport/features.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
 
@@ -44,8 +45,10 @@ void fill(const SetStep& step, v1::SetFrame& out) {
 }  // namespace
 
 struct SceneSet::State {
-  State(const ChannelFactory& channels, v1::Scene made, uint64_t max_answer_bytes, LocalOptions local)
+  State(const ChannelFactory& channels, const v1::GetServerInfoResponse& info, v1::Scene made,
+        uint64_t max_answer_bytes, LocalOptions local)
       : channels(channels),
+        features(info, channels.address()),
         scene(std::move(made)),
         max_answer_bytes(max_answer_bytes),
         local(std::move(local)),
@@ -60,6 +63,7 @@ struct SceneSet::State {
   SetOutput receive(FrameStream& over);
 
   const ChannelFactory channels;
+  const Features features;
   const v1::Scene scene;
   const uint64_t max_answer_bytes;
   const LocalOptions local;
@@ -124,7 +128,8 @@ SceneSet SceneSet::create(Client& client, v1::SceneSpec spec, std::span<const Me
   const uint64_t bytes =
       checked_answer_bytes(options.max_answer_bytes, client.server_info().limits().max_message_bytes());
   v1::Scene scene = client.create_scenes(std::move(spec), meshes, count, options.lease_seconds);
-  return SceneSet(std::make_unique<State>(client.channels(), std::move(scene), bytes, options.local));
+  return SceneSet(
+      std::make_unique<State>(client.channels(), client.server_info(), std::move(scene), bytes, options.local));
 }
 
 const v1::Scene& SceneSet::scene() const { return state_->scene; }
@@ -187,6 +192,7 @@ std::vector<SetOutput> detect_batch(std::span<const SetStep> steps) {
     frame.set_frame_id(++set.last_frame);
     fill(step, frame);
   }
+  first.features.check_call(request);
   v1::DetectBatchResponse response;
   check(first.stub->DetectBatch(first.channels.call_context(first.scene.scene_id()).get(), request, &response));
   if (response.answers_size() != request.frames_size())

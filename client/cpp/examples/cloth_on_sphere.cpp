@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <collided/client.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
 #include <vector>
 
-#include "client/cpp/client.hpp"
 #include "client/cpp/examples/scene.hpp"
 #include "client/cpp/examples/shapes.hpp"
 

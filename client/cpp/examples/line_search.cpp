@@ -1,9 +1,9 @@
 // A line search: how far along a direction a cloth can go before it touches a tip, halving the step until it is free.
 // Each position is sent once: a trial asks about the whole way, and from_last_fraction goes to a point of it. usage:
 // line_search ADDRESS
+#include <collided/client.hpp>
 #include <cstdio>
 
-#include "client/cpp/client.hpp"
 #include "client/cpp/examples/grid.hpp"
 
 using namespace collided::client;

@@ -1,9 +1,9 @@
 // A cloth that is thick for its cells touches itself all over, even flat: what is close at rest can be left out. usage:
 // rest_shape_exclusions ADDRESS
+#include <collided/client.hpp>
 #include <cstdio>
 
 #include "client/cpp/examples/grid.hpp"
-#include "client/cpp/session.hpp"
 
 using namespace collided::client;
 namespace v1 = collided::v1;

@@ -6,12 +6,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <collided/client.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 
 #include "client/cpp/examples/grid.hpp"
-#include "client/cpp/session.hpp"
 
 using namespace collided::client;
 namespace v1 = collided::v1;

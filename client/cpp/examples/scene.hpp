@@ -1,10 +1,10 @@
 #pragma once
 // The example's meshes on a daemon.
 
+#include <collided/client.hpp>
 #include <span>
 #include <vector>
 
-#include "client/cpp/client.hpp"
 #include "client/cpp/examples/shapes.hpp"
 
 /// As they go on the wire.

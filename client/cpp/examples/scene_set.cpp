@@ -1,6 +1,5 @@
 // A thousand scenes in one call: in each a tetrahedron falls to a floor, from another height. usage: scene_set ADDRESS
-#include "client/cpp/batch/scene_set.hpp"
-
+#include <collided/client.hpp>
 #include <cstdio>
 
 #include "client/cpp/examples/grid.hpp"

@@ -1,9 +1,9 @@
 // Only what changed is sent: one vertex of a sheet is pulled up to a ceiling, while all others stand still. usage:
 // sparse_update ADDRESS
+#include <collided/client.hpp>
 #include <cstdio>
 
 #include "client/cpp/examples/grid.hpp"
-#include "client/cpp/session.hpp"
 
 using namespace collided::client;
 namespace v1 = collided::v1;

@@ -8,8 +8,8 @@ import (
 
 	"google.golang.org/grpc/codes"
 
-	collided "collided/client/go"
-	v1 "collided/client/go/v1"
+	collided "collided.invalid/client/go"
+	v1 "collided.invalid/client/go/v1"
 )
 
 func TestAContactIsWhereItWasBuiltIn(t *testing.T) {

@@ -7,8 +7,8 @@ import (
 
 	"google.golang.org/grpc/codes"
 
-	collided "collided/client/go"
-	v1 "collided/client/go/v1"
+	collided "collided.invalid/client/go"
+	v1 "collided.invalid/client/go/v1"
 )
 
 // seen is a frame's totals, and where the daemon has the vertices of mesh 1 after it.

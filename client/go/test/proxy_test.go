@@ -8,7 +8,7 @@ import (
 	"sync"
 	"testing"
 
-	collided "collided/client/go"
+	collided "collided.invalid/client/go"
 )
 
 // proxy is between a client and a daemon: it cuts connections, keeps requests or answers back, and leads to another daemon.

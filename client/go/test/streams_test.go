@@ -9,7 +9,7 @@ import (
 
 	"google.golang.org/grpc/codes"
 
-	collided "collided/client/go"
+	collided "collided.invalid/client/go"
 )
 
 func TestAWindowOfFramesIsInFlight(t *testing.T) {

@@ -10,7 +10,7 @@ import (
 
 	"google.golang.org/grpc/codes"
 
-	collided "collided/client/go"
+	collided "collided.invalid/client/go"
 )
 
 var (

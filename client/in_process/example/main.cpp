@@ -1,12 +1,11 @@
 // One program, two places: a triangle falls on another, in this process or in that of a daemon. usage: two_places
 // [ADDRESS]
 #include <array>
+#include <collided/client.hpp>
+#include <collided/local.hpp>
 #include <cstdio>
 #include <span>
 #include <vector>
-
-#include "client/cpp/session.hpp"
-#include "client/in_process/local.hpp"
 
 using namespace collided::client;
 namespace v1 = collided::v1;

@@ -16,11 +16,17 @@ const OWN = [
   "--max-frame-seconds",
 ].flatMap((limit) => [limit, "1000000"]);
 const READY_MS = 60_000;
+const COMPILE_MS = 1_800_000; // a GPU's driver may have to compile the kernels
 const STOP_MS = 10_000;
 const POLL_MS = 5;
 
 /** Where the daemon's program is: $COLLIDED_DAEMON, or `collided` on the PATH. Throws (NOT_FOUND) if there is none. */
 export function findDaemon(): string {
+  if (process.platform !== "linux")
+    notFound(
+      `the daemon runs on Linux, and this is ${process.platform}: ` +
+        "run it in a container, in WSL or on a Linux host, and connect to its address",
+    );
   const named = process.env.COLLIDED_DAEMON;
   if (named) return isProgram(named) ? named : notFound(`COLLIDED_DAEMON is '${named}', which is not a program`);
   return onPath("collided") ?? notFound("no daemon 'collided' is on the PATH; set COLLIDED_DAEMON, or connect to an address");
@@ -65,11 +71,11 @@ export class OwnDaemon {
   readonly #process: ChildProcess;
   readonly #stopAtExit = () => this.#kill();
 
-  private constructor(folder: string, options: readonly string[]) {
+  private constructor(daemon: string, folder: string, options: readonly string[]) {
     this.#folder = folder;
     this.address = `unix:${folder}/socket`;
     const words = ["--address", this.address, "--ready-file", join(folder, "ready"), "--log-level", "warning", ...OWN];
-    const [program, ...rest] = [...endingWithParent(), findDaemon(), ...words, ...options];
+    const [program, ...rest] = [...endingWithParent(), daemon, ...words, ...options];
     const log = openSync(join(folder, "log"), "a", 0o600);
     try {
       this.#process = spawn(program, rest, { stdio: ["ignore", log, log], env: ownEnvironment() });
@@ -85,10 +91,11 @@ export class OwnDaemon {
    * environment, such as COLLIDED_THREADS, are none.
    */
   static async start(options: readonly string[] = []): Promise<OwnDaemon> {
+    const program = findDaemon();
     const folder = mkdtempSync(join(tmpdir().length > 80 ? "/tmp" : tmpdir(), "collided-")); // a socket's path has 107 bytes
     let daemon: OwnDaemon | undefined;
     try {
-      daemon = new OwnDaemon(folder, options);
+      daemon = new OwnDaemon(program, folder, options);
       await daemon.#waitUntilReady();
       daemon.addresses = readFileSync(join(folder, "ready"), "utf8").trim().split("\n");
       return daemon;
@@ -120,13 +127,22 @@ export class OwnDaemon {
     const start = performance.now();
     while (!statSync(join(this.#folder, "ready"), { throwIfNoEntry: false })?.size) {
       if (this.#hasEnded) throw new CollidedError(Code.UNAVAILABLE, `the daemon ended before it was ready${this.#lastWords()}`);
-      if (performance.now() - start > READY_MS) throw new CollidedError(Code.UNAVAILABLE, "the daemon was not ready in 60 s");
+      if (this.#isLate(performance.now() - start)) throw new CollidedError(Code.UNAVAILABLE, "the daemon was not ready in time");
       await pause(POLL_MS);
     }
   }
 
+  /** A daemon that says that kernels are being compiled has more time. */
+  #isLate(ms: number): boolean {
+    return ms > READY_MS && (ms > COMPILE_MS || !this.#log().includes("compiling the kernels"));
+  }
+
+  #log(): string {
+    return readFileSync(join(this.#folder, "log"), "utf8");
+  }
+
   #lastWords(): string {
-    const lines = readFileSync(join(this.#folder, "log"), "utf8").split("\n");
+    const lines = this.#log().split("\n");
     return lines
       .filter((line) => line !== "")
       .slice(-2)

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 _T = TypeVar("_T")
-_Place = tuple[str, int, str, dict[str, Any]]  # arguments of warnings.warn_explicit
+_Place = tuple[str, int, str, Any]  # arguments of warnings.warn_explicit
 
 _OWN = tuple(os.path.dirname(os.path.abspath(str(module))) + os.sep for module in (__file__, asyncio.__file__))
 _place: contextvars.ContextVar[_Place | None] = contextvars.ContextVar("place", default=None)

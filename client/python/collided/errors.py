@@ -173,3 +173,8 @@ def _details(packed: bytes) -> tuple[str, str, float | None]:
             delay = error_details_pb2.RetryInfo.FromString(detail.value).retry_delay
             retry_after = delay.seconds + delay.nanos * 1e-9
     return field, quota, retry_after
+
+
+def code_of(error: Error) -> int:
+    """The google.rpc code of an error; 2 (UNKNOWN) if it has none."""
+    return next((code for code, kind in _CLASSES.items() if type(error) is kind), 2)

@@ -15,7 +15,7 @@ import sys
 import threading
 import warnings
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Protocol
 
@@ -44,9 +44,9 @@ class Leftover:
         delete; None if it is the caller's. name: the scene's, if there is no resident.
     """
 
-    def __init__(self, kind: str, streams: list[Callable[[], object]], resident: Resident | None = None,
+    def __init__(self, kind: str, streams: Sequence[Callable[[], object]], resident: Resident | None = None,
                  name: str = "") -> None:
-        self.kind, self.streams, self.resident = kind, streams, resident
+        self.kind, self.streams, self.resident = kind, list(streams), resident
         self._name = name
         self._process = os.getpid()
         self._is_over = False
@@ -243,4 +243,5 @@ def _in_forked_process() -> None:
     _last.clear()
 
 
-os.register_at_fork(after_in_child=_in_forked_process)
+if sys.platform != "win32":  # where no process forks
+    os.register_at_fork(after_in_child=_in_forked_process)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from collided import leftovers
 from collided.connection.client import Client
 from collided.connection.options import ConnectOptions
 from collided.errors import InvalidArgument, NotFound
+from collided.in_process.client import client_of
 from collided.leftovers import Leftover
 from collided.frames.track import Track
 from collided.layout import Layout
@@ -70,7 +71,8 @@ class Scene:
     """Meshes that stay resident on a daemon, as a context manager: made at the beginning, deleted at the end.
 
     meshes: a mapping of names to meshes, a list of Mesh, or one mesh; a mesh is whatever `Mesh.of` takes.
-    server: "host:port" or "unix:/path"; None: $COLLIDED_SERVER, or a daemon of this process's own. Or a Client.
+    server: "host:port" or "unix:/path"; None: $COLLIDED_SERVER, or a daemon of this process's own; "local": the engine in this
+        process, without a daemon. Or a Client.
     lease_seconds: without a stream or a call for so long the daemon deletes the scene; 0: its default.
     options: those of SceneOptions, and, without a Client, of ConnectOptions.
 
@@ -87,7 +89,7 @@ class Scene:
         self.track = Track(layout, self.options)
         self.lease_seconds = lease_seconds
         self._process = os.getpid()
-        self.client = server if isinstance(server, Client) else Client(server, **connect)
+        self.client = server if isinstance(server, Client) else client_of(server, connect)
         message = self.client.create_scene(self.track.layout, self.options, lease_seconds)
         self._resident = Resident(self.client, not isinstance(server, Client), message)
         self._leftover = leftovers.watch(self, Leftover("Scene", [], self._resident))
@@ -152,7 +154,7 @@ class Scene:
         self._leftover.take()
         self._resident.delete()
 
-    def left_by(self, kind: str, streams: list[Callable[[], object]]) -> Leftover:
+    def left_by(self, kind: str, streams: Sequence[Callable[[], object]]) -> Leftover:
         """Hands the scene over to an object of this kind: the leftover of its streams and of the scene."""
         self._leftover.take()
         return Leftover(kind, streams, self._resident)

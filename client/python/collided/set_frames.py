@@ -94,6 +94,7 @@ class SetFrames:
     def _exchange(self, head: frame_pb2.Frame, update: Update, worlds: np.ndarray) -> SetAnswer:
         transport = self._transport
         assert transport is not None
+        self._client.check_known(head, "frame")
         transport.send(self._last_id, head, [update])
         answer, seen = SetAnswer(self._last_id), set(worlds.tolist())
         until = time.monotonic() + self._client.options.deadline

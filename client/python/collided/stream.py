@@ -15,7 +15,7 @@ from collided.contacts.checks import check_done, check_total
 from collided.contacts.columns import Part, read_chunk
 from collided.contacts.contacts import Contacts
 from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, NotFound, ResourceExhausted, Unavailable,
-                             error_of_frame)
+                             Unimplemented, error_of_frame)
 from collided.frames.state import State
 from collided.frames.track import NOWHERE, Request
 from collided.guard import Guard
@@ -263,13 +263,14 @@ class Stream:
             else:
                 self._reopen(until)
         except Error as error:
-            if is_open and isinstance(error, NotSent):
+            if is_open and isinstance(error, (NotSent, Unimplemented)):
                 raise
             self._after(error, until)
 
     def _transmit(self, pending: _Pending) -> None:
         assert self._transport is not None
         request = pending.request
+        self._scene.client.check_known(request.head, "frame")
         pending.wire_id = self._track.next_id()
         pending.parts.clear()
         request.updates, request.way = self._transport.send(pending.wire_id, request.head, request.updates), None
@@ -337,6 +338,7 @@ class Stream:
         """A frame of the stream's own. Its id on the wire. Raises Error with that if it is refused."""
         assert self._transport is not None
         head = request.head
+        self._scene.client.check_known(head, "frame")
         wire_id = self._track.next_id()
         request.updates = self._transport.send(wire_id, head, request.updates)
         deadline = self._deadline()

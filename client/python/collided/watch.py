@@ -61,6 +61,7 @@ class Watcher:
             scene_id=scene_id, frame_interval=frame_interval, max_frames_per_second=max_frames_per_second,
             max_contacts_per_kind=max_contacts_per_kind, vertex_stride=vertex_stride,
             position_meshes=[self._layout.index(mesh) for mesh in meshes])
+        client.check_known(request, method="WatchScene")
         carried = metadata(client.options, scene_id)
         with client.stream_channel(self.scene) as channel:
             self._messages = Messages(channel, lambda: CollisionServiceStub(channel).WatchScene(request, metadata=carried))

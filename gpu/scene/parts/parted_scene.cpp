@@ -7,7 +7,7 @@
 #include "gpu/contacts/answer_room.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
 #include "gpu/parted_quota.hpp"
-#include "gpu/scene/backends.hpp"
+#include "gpu/scene/backends/backends.hpp"
 #include "gpu/scene/parts/balance.hpp"
 #include "gpu/scene/parts/crew.hpp"
 #include "gpu/scene/parts/meeting.hpp"

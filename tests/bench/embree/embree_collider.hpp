@@ -1,13 +1,13 @@
 #pragma once
 // Embree on the same problem as our broad phase: which boxes of a set overlap.
 
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
+
+#include "client/cli/picture/embree.hpp"
 
 namespace collided::test {
 

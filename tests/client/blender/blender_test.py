@@ -19,7 +19,7 @@ except ImportError as missing:
 
 WHICH, DAEMON, REPOSITORY = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
 INSIDE = pathlib.Path(__file__).resolve().parent / "inside"
-NEEDED = {"blender": "blender", "protoc": "protobuf-compiler", "grpc_python_plugin": "protobuf-compiler-grpc"}
+NEEDED = {"blender": "blender"}
 if WHICH == "window":
     NEEDED |= {"Xvfb": "xvfb"}
 sys.path.insert(0, str(REPOSITORY / "tests" / "interop"))

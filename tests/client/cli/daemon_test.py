@@ -25,6 +25,14 @@ class Daemon(support.CollidectlTest):
             for _ in range(2):
                 self.ok("detect", "--frames", self.frame0, self.frame1, "--server", address, "--backend", "cpu")
 
+    def test_a_daemon_whose_kernels_are_compiled_is_waited_for_and_told_of(self):
+        line = "compiling the kernels for cuda:0 (a GPU)"
+        script = self.put("daemon", f"#!/bin/sh\necho '[warning] {line}'\nsleep 2.5\nexec {DAEMON} \"$@\"\n")
+        os.chmod(script, 0o700)
+        done = support.ctl("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, COLLIDED_DAEMON=script)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, f"collidectl: waiting for its daemon: {line}\n")
+
     def test_info_tells_every_limit(self):
         limits = {"max-vertices": 5, "max-triangles": 6, "max-window": 7, "max-idle-seconds": 8.5,
                   "max-lease-seconds": 90, "max-scenes": 10, "max-streams": 11, "max-scenes-per-client": 12,

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 
 DEBIAN = pathlib.Path("/usr/share/gocode")
-PACKAGE = "collided/client/go"
+PACKAGE = "collided.invalid/client/go"
 
 
 class Missing(Exception):

@@ -13,7 +13,7 @@ import (
 	"sync"
 	"time"
 
-	collided "collided/client/go"
+	collided "collided.invalid/client/go"
 )
 
 var (

@@ -4,6 +4,7 @@
 usage: node_test.py DAEMON REPOSITORY BUILD_FOLDER
 """
 
+import json
 import pathlib
 import shutil
 import subprocess
@@ -66,6 +67,13 @@ class Packed(unittest.TestCase):
         top = {path.name for path in (self.folder / "node_modules" / "collided").iterdir()}
         self.assertEqual(top, {"README.md", "dist", "examples", "package.json"})
         self.assertEqual([path.name for path in (self.folder / "node_modules" / "collided" / "dist").iterdir()], ["src"])
+
+    def test_it_can_be_published(self):
+        """Users install compiled code, which needs neither protoc nor a compiler of TypeScript."""
+        package = json.loads((self.folder / "node_modules" / "collided" / "package.json").read_text())
+        self.assertNotIn("private", package)
+        self.assertNotIn("install", " ".join(package["scripts"]))
+        self.assertTrue((self.folder / "node_modules" / "collided" / package["exports"]["."]["default"]).is_file())
 
     def test_the_example_starts_a_daemon_or_takes_one(self):
         example = self.folder / "example.mjs"

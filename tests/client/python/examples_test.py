@@ -2,8 +2,10 @@
 """The examples of the package and the programs of its README, with what they print."""
 
 import os
+import pathlib
 import subprocess
 import sys
+import tempfile
 import unittest
 
 from support import DAEMON, REPOSITORY, main
@@ -12,10 +14,12 @@ sys.path.insert(0, str(REPOSITORY / "tests" / "docs"))
 from markdown import Page  # noqa: E402
 
 PACKAGE = REPOSITORY / "client" / "python"
+MESH = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 0.5\nv 1.25 1 9\nv 1 1.25 9\nf 1 2 3\nf 4 5 6\n"
 PRINTED = {
     "first_contact": "vertex 3 meets triangle 0 at t = 0.500000000, at [1. 1. 0.]\n",
     "line_search": "first contact at 0.350, went 0.25, contacts 0, height 0.5\n",
     "scene_batch": "".join(f"250 contacts in 250 worlds, from {first} to {first + 249}\n" for first in (0, 250, 500)),
+    "touching": "<Contacts of frame 1: 1 vertex-triangle>\nvertex 3 and triangle 0: 0.5 apart\n",
     "sparse_update": "28 bytes, 0 vertex meets the ceiling\n28 bytes, 1 vertex meets the ceiling\n",
     "resume_after_kill": "".join(f"frame {frame}: {int(frame == 3)} contacts, {int(frame > 2)} recreations\n"
                                  for frame in range(1, 7)),
@@ -30,12 +34,19 @@ def printed_by(*words):
 
 
 class Examples(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        mesh = pathlib.Path(folder.name, "mesh.obj")
+        mesh.write_text(MESH)
+        self.arguments = (mesh, "0.6")
+
     def test_each_prints_what_it_should(self):
         examples = {path.stem: path for path in (PACKAGE / "examples").glob("*.py")}
         self.assertEqual(examples.keys(), PRINTED.keys())
         for name, path in examples.items():
             with self.subTest(name):
-                done = printed_by(path)
+                done = printed_by(path, *(self.arguments if name == "touching" else ()))
                 self.assertEqual((done.stdout, done.returncode), (PRINTED[name], 0), done.stderr)
 
     def test_programs_of_the_page_print_what_it_shows(self):

@@ -3,15 +3,19 @@
 
 import concurrent.futures
 import contextlib
+import pathlib
 import signal
 import socket
+import tempfile
 import threading
 import time
 import unittest
+from unittest import mock
 
 from support import DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, Daemon, Supervised, assert_same, lowered, main, meshes, np
 
 import collided
+from collided.connection import own_daemon
 
 FAR = TIP + np.float32([0, 0, 20])
 
@@ -458,6 +462,28 @@ class Stopped(unittest.TestCase):
             for _ in range(3):
                 session.receive()
                 session.send({"tip": TIP})
+
+
+class Starting(Case):
+    """The daemon of a process's own."""
+
+    def start(self, said):
+        """Starts one that says so, and is ready after more than the usual time."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        script = pathlib.Path(folder.name, "daemon")
+        script.write_text(f'#!/bin/sh\necho "[warning] {said}"\nsleep 1\nexec {DAEMON} "$@"\n', encoding="ascii")
+        script.chmod(0o700)
+        daemon = own_daemon.OwnDaemon(program=str(script))
+        self.addCleanup(daemon.stop)
+        with mock.patch.object(own_daemon, "_READY_SECONDS", 0.5):
+            return daemon.address
+
+    def test_one_whose_kernels_are_compiled_has_more_time_than_others(self):
+        with contextlib.closing(collided.Client(self.start("compiling the kernels for cuda:0 (a GPU)"))) as client:
+            self.assertTrue(client.info.version)
+        with self.assertRaisesRegex(collided.Unavailable, "did not become ready: .*waiting"):
+            self.start("waiting for something")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import (
 	"log"
 	"os"
 
-	collided "collided/client/go"
+	collided "collided.invalid/client/go"
 )
 
 const side = 17

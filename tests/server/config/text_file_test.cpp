@@ -1,5 +1,5 @@
 // TOML files that the parser would not survive.
-#include "server/config/text_file.hpp"
+#include "server/config/file/text_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -177,7 +177,7 @@ TEST(DeviceTermsOf, AConfigurationGiveEachItsShare) {
   Config config;
   config.devices = {"cpu:0", "cpu:1"};
   config.limits.max_device_bytes = 64 * kMegabyte;
-  const auto terms = device_terms(config, Clock::now);
+  const auto terms = devices_at_start(config, Clock::now).terms;
   ASSERT_EQ(terms.size(), 2u);
   for (const DeviceTerms& each : terms) {
     EXPECT_EQ(each.max_bytes, 32 * kMegabyte);

@@ -1,10 +1,9 @@
 // A triangle falls on another: in which step, and when in it, do they meet? usage: first_contact ADDRESS
 #include <array>
+#include <collided/client.hpp>
 #include <cstdio>
 #include <span>
 #include <vector>
-
-#include "client/cpp/session.hpp"
 
 using namespace collided::client;
 namespace v1 = collided::v1;

@@ -8,7 +8,7 @@ import (
 	"os"
 	"strings"
 
-	collided "collided/client/go"
+	collided "collided.invalid/client/go"
 )
 
 func main() {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 import threading
 import time
 import uuid
@@ -285,8 +286,10 @@ class Client:
             raise
 
     def local_socket(self, endpoint: str) -> str:
-        """Path of the daemon's local socket, if it has one and is on this host; else empty."""
-        return self.info.local_socket if not endpoint and is_local_address(self.address) else ""
+        """Returns the path of the daemon's local socket, if it has one and may be on this host; else an empty string. A loopback
+        address may be a forwarded port: only connecting shows whether the path leads to this daemon."""
+        is_here = sys.platform == "linux" and not endpoint and is_local_address(self.address)
+        return self.info.local_socket if is_here else ""
 
     def reconnect(self) -> None:
         """Forgets the connection, unless it is still being made: the daemon may be another one now."""
@@ -316,6 +319,7 @@ class Client:
         if channel is None:
             with self._channel_of_a_call() as own:
                 return self.call(method, request, scene_id, timeout, own)
+        self.check_known(request, method=method)
         try:
             call = getattr(CollisionServiceStub(channel), method)
             return call(request, timeout=timeout or self.options.deadline, metadata=metadata(self.options, scene_id))
@@ -323,6 +327,14 @@ class Client:
             raise error_of_call(error) from None
         except ValueError:  # of gRPC, where another thread has closed the channel meanwhile
             raise Unavailable("the connection was closed during the call") from None
+
+    def check_known(self, request: Any, path: str = "", method: str = "") -> None:
+        """Raises Unimplemented if the daemon is too old for a message, whose path in a request is `path`, or for a method."""
+        connection = self._connection  # another thread may hold the lock
+        if connection is not None and connection.features is not None:
+            if method:
+                connection.features.check_method(method)
+            connection.features.check(request, path)
 
     def _create(self, method: str, request: Any, tries: int = _CREATE_TRIES) -> scene_pb2.Scene:
         for tried in range(1, tries + 1):

@@ -6,6 +6,7 @@ import threading
 
 import collided.leftovers as leftovers
 from collided.connection.channel import ask_for_info, open_channel
+from collided.connection.features import Features
 from collided.connection.options import ConnectOptions
 from collided.v1 import collision_service_pb2 as api
 
@@ -19,6 +20,7 @@ class Connection:
         self.address = address
         self.channel = open_channel(address, options)
         self.info: api.GetServerInfoResponse | None = None  # once the daemon has answered
+        self.features: Features | None = None  # likewise
         self._options = options
         self._lock = threading.Lock()
         self._calls = 0
@@ -29,7 +31,8 @@ class Connection:
     def ask(self, patience: float) -> None:
         """Has the daemon answer within so many seconds, if it has not yet. Raises Error."""
         if self.info is None:
-            self.info = ask_for_info(self.channel, self.address, self._options, patience)
+            info = ask_for_info(self.channel, self.address, self._options, patience)
+            self.features, self.info = Features(info, self.address), info
 
     def begin_call(self) -> None:
         with self._lock:

@@ -6,6 +6,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -13,7 +14,9 @@ import weakref
 
 import collided.leftovers as leftovers
 from collided.errors import FailedPrecondition, Unavailable
+from collided.programs import find_program, where_to_get_it
 
+_COMPILE_SECONDS = 1800.0  # a GPU's driver may have to compile the kernels
 _READY_SECONDS, _STOP_SECONDS, _EXIT_SECONDS, _POLL_SECONDS = 60.0, 10.0, 0.1, 0.01
 _SAID_LINES = 3  # of a daemon that does not start
 # Ends the daemon when this process is gone, however it ended: then the pipe to standard input is closed. Not by
@@ -23,12 +26,13 @@ _GUARD = ('exec 3<&0; "$@" </dev/null & daemon=$!; { cat >/dev/null; kill $daemo
 
 
 def find_daemon() -> str:
-    """The program: $COLLIDED_DAEMON, or `collided` on PATH. Raises FailedPrecondition if there is none."""
+    """The program: $COLLIDED_DAEMON, or one that a wheel brought along, or `collided` on PATH. Raises FailedPrecondition if there
+    is none."""
     named = os.environ.get("COLLIDED_DAEMON")
-    found = shutil.which(named) if named else shutil.which("collided")
+    found = shutil.which(named) if named else find_program("collided")
     if found is None:
         raise FailedPrecondition(f"COLLIDED_DAEMON is {named!r}, which is not a program" if named else
-                                 "no daemon 'collided' is on PATH; set COLLIDED_DAEMON, or name a server")
+                                 where_to_get_it("collided"))
     return found
 
 
@@ -79,7 +83,7 @@ class OwnDaemon:
             try:
                 self._process.wait(_STOP_SECONDS)
             except subprocess.TimeoutExpired:
-                os.killpg(self._process.pid, 9)
+                _kill(self._process)
                 self._process.wait()
             self._remove()
 
@@ -89,6 +93,8 @@ class OwnDaemon:
             self._process, self._folder = None, ""
 
     def _start(self) -> None:
+        if sys.platform != "linux":
+            raise FailedPrecondition(where_to_get_it("collided"))
         program = self._program or find_daemon()
         is_long = len(tempfile.gettempdir()) > 80  # the path of a socket has at most 107 bytes
         self._folder = tempfile.mkdtemp(prefix="collided-", dir="/tmp" if is_long else None)
@@ -108,9 +114,9 @@ class OwnDaemon:
         leftovers.after_all(_end_all)
         self._unless_removed = weakref.finalize(self, _let_go, self._process)
         self._unless_removed.atexit = False
-        deadline = time.monotonic() + _READY_SECONDS
+        start = time.monotonic()
         while not ready.exists():
-            if self._process.poll() is not None or time.monotonic() > deadline:
+            if self._process.poll() is not None or _is_late(start, log):
                 said = _last_lines(log)
                 self._process.kill()
                 self._remove()
@@ -127,6 +133,14 @@ class OwnDaemon:
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)
         self._folder = ""
+
+
+def _is_late(start: float, log: pathlib.Path) -> bool:
+    """A daemon that says that kernels are being compiled has more time."""
+    took = time.monotonic() - start
+    if took <= _READY_SECONDS:
+        return False
+    return took > _COMPILE_SECONDS or "compiling the kernels" not in log.read_text(errors="replace")
 
 
 def _last_lines(log: pathlib.Path) -> str:
@@ -158,10 +172,17 @@ def _end_all() -> None:
         try:
             process.wait(max(0.0, deadline - time.monotonic()))
         except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 9)
+            _kill(process)
 
 
-os.register_at_fork(after_in_child=_running.clear)
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """Kills the whole group: the shell that guards the daemon, and the daemon."""
+    if sys.platform == "linux":
+        os.killpg(process.pid, 9)
+
+
+if sys.platform != "win32":  # where no process forks
+    os.register_at_fork(after_in_child=_running.clear)
 _shared: OwnDaemon | None = None
 _shared_lock = threading.Lock()
 

@@ -20,7 +20,7 @@ from collided.layout import Layout
 from collided.leftovers import Leftover
 from collided.scene import Scene
 from collided.transport.local_transport import LocalTransport
-from collided.transport.opening import opened_by
+from collided.transport.opening import local_socket, opened_by
 from collided.transport.peer import LocalPeer
 from collided.transport.region import region_layout
 from collided.v1 import collision_service_pb2 as api
@@ -73,9 +73,7 @@ class DeviceSession:
         limit = client.info.limits.max_window
         if not 1 <= window <= limit:
             raise ResourceExhausted(f"window is {window}; the daemon's limit is {limit}", field="window")
-        path = client.local_socket(self.scene.message.endpoint)
-        if not path:
-            raise FailedPrecondition("the daemon has no local socket here (--local-socket)")
+        path = local_socket(client, self.scene.message)
         self._memory = DeviceMemory(cuda, region_layout(self.scene.refresh(), window, *room))
         self._transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options), self._memory)
         opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window), client, client.options.deadline)

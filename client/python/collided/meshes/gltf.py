@@ -269,9 +269,9 @@ class _Scene:
         if not self._node_count:  # a library of meshes that no node places
             for mesh in range(len(_list(self._document.root, "meshes", ""))):
                 self._place(mesh, IDENTITY)
-        mesh = self._placer.mesh()
-        mesh.notes += [f"ignored {what}" for what in sorted(self._ignored)]
-        return mesh
+        made = self._placer.mesh()
+        made.notes += [f"ignored {what}" for what in sorted(self._ignored)]
+        return made
 
     def _roots(self) -> list[int]:
         """Returns the nodes of the default scene. Without any scene these are all nodes without a parent."""

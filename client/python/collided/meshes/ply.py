@@ -98,7 +98,8 @@ def _header_lines(data: bytes) -> Any:
 
 
 def _header(data: bytes) -> tuple[str, list[_Element], int]:
-    order, elements, body_at = None, [], 0
+    elements: list[_Element] = []
+    order, body_at = None, 0
     for number_, (line, at) in enumerate(_header_lines(data), 1):
         words = line.split()
         if number_ == 1 and line != b"ply":
@@ -148,8 +149,8 @@ def _header_line(words: list[bytes], order: str | None, elements: list[_Element]
         count_type = _type(words[1], place) if words[0] == b"list" else ""
         if count_type.startswith("f"):
             raise ReadError("a list's length must be an integer type", place)
-        kind, name = words[2:4] if count_type else words[:2]
-        _add_property(elements[-1], _Property(name.decode("latin-1"), _type(kind, place), count_type), place)
+        kind, property_name = words[2:4] if count_type else words[:2]
+        _add_property(elements[-1], _Property(property_name.decode("latin-1"), _type(kind, place), count_type), place)
     elif key not in (b"comment", b"obj_info"):
         raise ReadError(f"'{text_of(key)}' is not a PLY keyword", place)
     return order

@@ -39,7 +39,7 @@ def triangulate(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray, p
         fan = rows[is_fan]
         for i in range(2, n):
             out[offsets[which[is_fan]] + i - 2] = np.stack([fan[:, 0], fan[:, i - 1], fan[:, i]], axis=1)
-        for i in np.flatnonzero(~is_fan):
+        for i in map(int, np.flatnonzero(~is_fan)):
             face = int(which[i])
             split = _split(vertices[rows[i]], normals_are_short[i], points[i])
             if split is None and n > MAX_CONCAVE_CORNERS:

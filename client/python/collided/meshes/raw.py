@@ -16,13 +16,14 @@ from collided.meshes.polygons import ReadError, triangulate
 
 
 _MAX_BYTES = 8 << 30
+_WITHOUT_WAITING: int = getattr(os, "O_NONBLOCK", 0)  # Windows has neither it nor FIFOs in its file system
 _MAX_FAST = 64  # bytes of a word
 _ZEROS = re.compile(rb"([+-]?)0*(?=[0-9]+$)")
 
 
 def contents(path: str) -> bytes:
     # Opened without waiting, as a FIFO may have no writer; and asked once it is open, as the path may be another file by then.
-    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _WITHOUT_WAITING)) as file:
         about = os.fstat(file.fileno())
         if not stat.S_ISREG(about.st_mode):
             raise ReadError("it is not a regular file")

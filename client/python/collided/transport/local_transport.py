@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import select
 import socket
+import sys
 from typing import Any
 
 from google.protobuf.message import DecodeError
@@ -38,7 +39,7 @@ class LocalTransport:
         files = self._memory.describe(opening)
         packet = local_pb2.LocalRequest(open=opening).SerializeToString()
         try:
-            if files:
+            if files and sys.platform == "linux":
                 socket.send_fds(self._socket, [packet], files)
             else:
                 self._socket.send(packet)

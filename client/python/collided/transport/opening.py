@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,12 +10,14 @@ import numpy as np
 
 from collided.connection.channel import metadata
 from collided.connection.client import Client
-from collided.errors import DataLoss, DeadlineExceeded, Error, FailedPrecondition, InvalidArgument, ResourceExhausted
-from collided.transport.base import Transport
+from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, InvalidArgument, NotFound,
+                             ResourceExhausted, Unimplemented)
+from collided.in_process.client import LocalClient
+from collided.in_process.transport import EngineTransport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
 from collided.transport.local_transport import LocalTransport
-from collided.transport.peer import LocalPeer
+from collided.transport.peer import NEEDS_LINUX, LocalPeer
 from collided.transport.region import Region, region_layout
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
@@ -54,7 +57,12 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
     answer."""
     opening = api.OpenStream(scene_id=scene.scene_id, window=options.window, delivery=options.delivery,
                              resume_token=scene.resume_token if resume else "")
+    client.check_known(opening, "open")
     refusal = ""
+    if isinstance(client, LocalClient):
+        _check_local(options)
+        engine = EngineTransport(client, scene, resume)
+        return engine, opened_by(engine, opening, client, seconds), ""
     if options.transport == "calls":
         calls = CallTransport(client)
         return calls, opened_by(calls, opening, client, seconds), ""
@@ -72,15 +80,22 @@ def open_transport(client: Client, scene: scene_pb2.Scene, options: StreamOption
         return transport, opened_by(transport, opening, client, seconds), refusal
 
 
+def _check_local(options: StreamOptions) -> None:
+    """Raises Unimplemented for what an engine in the process does not have."""
+    if options.transport != "auto":
+        raise Unimplemented(f"transport is {options.transport!r}, but server is 'local', and nothing is sent", field="transport")
+    if options.delivery == api.DELIVERY_POLICY_LATEST_WINS:
+        raise Unimplemented("delivery is 'latest_wins', but server is 'local', which answers every frame", field="delivery")
+    if options.window > _MOST_FRAMES:
+        raise ResourceExhausted(f"window is {options.window}; the limit is {_MOST_FRAMES}", field="window")
+
+
 def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
            opening: api.OpenStream) -> LocalTransport | None:
     """None if the daemon has no local socket, or is on another host."""
-    path = client.local_socket(scene.endpoint)
-    if not path and options.transport == "auto":
+    if options.transport == "auto" and not client.local_socket(scene.endpoint):
         return None
-    if not path:
-        raise FailedPrecondition("transport is 'shared_memory', but the daemon has no local socket here (--local-socket)",
-                                 field="transport")
+    path = local_socket(client, scene)
     limit = client.info.limits.max_window
     window = options.window or min(_DEFAULT_WINDOW, limit)
     if not 1 <= window <= limit:
@@ -93,8 +108,18 @@ def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
                           Region(region_layout(known, window, options.output_bytes, options.edit_bytes, lasting)))
 
 
+def local_socket(client: Client, scene: scene_pb2.Scene) -> str:
+    """Path of the local socket of the scene's daemon. Raises FailedPrecondition if it has none that this client can use."""
+    path = client.local_socket(scene.endpoint)
+    if not path:
+        raise FailedPrecondition(NEEDS_LINUX if sys.platform != "linux" else "the daemon has no local socket here (--local-socket)",
+                                 field="transport")
+    return path
+
+
 def opened_by(transport: Transport, opening: api.OpenStream, client: Client, seconds: float) -> api.StreamOpened:
-    """The daemon's first answer. Raises DeadlineExceeded if none comes within so many seconds."""
+    """The daemon's first answer. Raises DeadlineExceeded if none comes within so many seconds, and FailedPrecondition if the local
+    socket is another daemon's, as it can be where the client's address is a forwarded port."""
     try:
         transport.open(opening)
         response = transport.read(seconds)
@@ -108,6 +133,9 @@ def opened_by(transport: Transport, opening: api.OpenStream, client: Client, sec
         if not 1 <= opened.window <= most:
             raise DataLoss(f"opened.window is {opened.window}; it must be from 1 to {most}")
         return opened
-    except BaseException:
+    except BaseException as error:
         transport.close()
+        if transport.is_local and isinstance(error, NotFound) and client.has_scene(opening.scene_id):
+            raise FailedPrecondition(f"the local socket {client.info.local_socket} belongs to another daemon than the one at "
+                                     f"{client.place}; gRPC reaches it (transport='grpc')", field="transport") from None
         raise

@@ -7,11 +7,13 @@ import pathlib
 import socket
 import stat
 import struct
+import sys
 from dataclasses import dataclass
 
 from collided.connection.options import ConnectOptions
-from collided.errors import InvalidArgument, PermissionDenied, Unavailable
+from collided.errors import FailedPrecondition, InvalidArgument, PermissionDenied, Unavailable
 
+NEEDS_LINUX = f"shared memory with a daemon needs Linux, and this is {sys.platform}"
 _ROOT = 0
 _SHORTEST, _LONGEST = 0.001, 1e6  # seconds of a socket's timeout; 0 would be none
 
@@ -46,6 +48,8 @@ def limit_sending(connection: socket.socket, seconds: float) -> None:
 
 def connect_to_socket(path: str, kind: socket.SocketKind, patience: float) -> socket.socket:
     """A connection to the Unix socket at `path`. Raises InvalidArgument if no socket can have it, else Unavailable."""
+    if sys.platform != "linux":
+        raise FailedPrecondition(NEEDS_LINUX, field="transport")
     connection = socket.socket(socket.AF_UNIX, kind)
     limit_sending(connection, patience)
     try:
@@ -62,6 +66,8 @@ def connect_to_socket(path: str, kind: socket.SocketKind, patience: float) -> so
 
 def user_at(connection: socket.socket) -> int:
     """The user who listens at the other end."""
+    if sys.platform != "linux":
+        raise FailedPrecondition(NEEDS_LINUX, field="transport")
     credentials = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, struct.calcsize("3i"))
     return struct.unpack("iII", credentials)[1]
 
@@ -72,6 +78,8 @@ def check_trusted(connection: socket.socket, path: str, address: str, daemon_use
     Trusted are this process's own user, root, `daemon_user`, and whoever listens at `address`, if that is a Unix socket:
     that user gets the token anyway.
     """
+    if sys.platform != "linux":
+        raise FailedPrecondition(NEEDS_LINUX, field="transport")
     users = {os.geteuid(), _ROOT} | ({daemon_user} if daemon_user is not None else set())
     owner = _folder_owner(path)
     listener = user_at(connection)

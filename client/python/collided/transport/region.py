@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import fcntl
 import mmap
 import os
+import sys
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from collided.errors import DataLoss, ResourceExhausted
+from collided.errors import DataLoss, FailedPrecondition, ResourceExhausted
+from collided.transport.peer import NEEDS_LINUX
 from collided.v1 import local_pb2, scene_pb2
 
 PAGE, ALIGNMENT = 4096, 64  # bytes
 MAX_PACKET_BYTES = 64 << 10
 _UPDATE_BYTES = 256  # of each mesh: its update's message, and the alignment of its arrays
 _MAX_OUTPUT_BYTES, _MAX_EDIT_BYTES = 1 << 30, 256 << 20
-_SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
 _POSITION_BYTES = {scene_pb2.POSITION_FORMAT_F32: 12, scene_pb2.POSITION_FORMAT_F64: 24, scene_pb2.POSITION_FORMAT_Q16: 6}
 
 
@@ -92,6 +92,22 @@ class Memory(Protocol):
     def close(self) -> None: ...
 
 
+def _sealed_file(size: int) -> int:
+    """Returns the descriptor of a memfd, whose size is final."""
+    if sys.platform != "linux":
+        raise FailedPrecondition(NEEDS_LINUX, field="transport")
+    import fcntl  # not on Windows
+
+    file = os.memfd_create("collided", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+    try:
+        os.ftruncate(file, size)
+        fcntl.fcntl(file, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL)
+    except BaseException:
+        os.close(file)
+        raise
+    return file
+
+
 class Region:
     """Neither side can shrink or grow it. Pages are allocated on first touch; unmapped once nothing views them."""
 
@@ -99,9 +115,7 @@ class Region:
         self.layout = layout
         size = layout.input_bytes + layout.output_bytes
         try:
-            self._file = open(os.memfd_create("collided", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING), "r+b", buffering=0)
-            os.ftruncate(self._file.fileno(), size)
-            fcntl.fcntl(self._file.fileno(), fcntl.F_ADD_SEALS, _SEALS)
+            self._file = open(_sealed_file(size), "r+b", buffering=0)
             self._bytes = memoryview(mmap.mmap(self._file.fileno(), size))
         except (OSError, OverflowError, ValueError) as error:  # of sizes that no mapping can have
             why = error.strerror if isinstance(error, OSError) else error

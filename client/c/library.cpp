@@ -1,0 +1,264 @@
+// The functions of collided.h.
+#include <algorithm>
+#include <atomic>
+#include <memory>
+
+#include "client/c/calls.hpp"
+#include "client/c/spec.hpp"
+#include "gpu/detector.hpp"
+#include "gpu/stencil.hpp"
+
+using namespace collided;
+
+struct collided_scene {
+  FieldSet fields;
+  bool stencils;
+  std::unique_ptr<Detector> detector;
+  std::atomic_flag is_busy = {};
+  bool has_frame = false;
+};
+
+struct collided_result {
+  FrameResult frame;
+  FieldSet fields;
+  PerKind<std::vector<ContactVertices>> stencils;
+};
+
+namespace {
+
+/// The only call that uses a scene, while it lives.
+class SceneUse {
+ public:
+  explicit SceneUse(collided_scene* scene) : scene_(*c::required(scene, "scene")) {
+    if (scene_.is_busy.test_and_set(std::memory_order_acquire))
+      throw c::FailedPrecondition("scene is used by another call, which has not returned yet; one at a time");
+  }
+  ~SceneUse() { scene_.is_busy.clear(std::memory_order_release); }
+  SceneUse(const SceneUse&) = delete;
+  SceneUse& operator=(const SceneUse&) = delete;
+
+  collided_scene* operator->() const { return &scene_; }
+
+ private:
+  collided_scene& scene_;
+};
+
+template <size_t N>
+void copy_text(const std::string& text, char (&to)[N]) {
+  const size_t length = std::min(text.size(), N - 1);
+  std::copy_n(text.begin(), length, to);
+  to[length] = 0;
+}
+
+void write_device(const DeviceInfo& device, collided_device_info* to) {
+  collided_device_info info{};
+  copy_text(to_string(device.device), info.id);
+  copy_text(device.name, info.name);
+  info.memory_bytes = device.memory_bytes;
+  c::write_structure(to, info, "info");
+}
+
+std::vector<ContactVertices> make_stencils(ContactKind kind, const ContactSet& set, const Topology& topology) {
+  std::vector<ContactVertices> stencils;
+  const FindVertices vertices = stencil_finder(kind);
+  if (vertices == nullptr) return stencils;
+  stencils.reserve(set.size());
+  for (const auto& elements : set.elements) stencils.push_back(vertices(elements, topology));
+  return stencils;
+}
+
+std::unique_ptr<collided_result> detect(const SceneUse& scene, FrameInput frame) {
+  if (scene->stencils) frame.bytes_beside_contact = sizeof(ContactVertices);
+  auto result = std::make_unique<collided_result>();
+  result->fields = scene->fields;
+  result->frame = scene->detector->detect(frame);
+  if (!frame.trial) scene->has_frame = true;
+  if (!scene->stencils) return result;
+  for_each_kind(
+      [&](ContactKind kind, const ContactSet& set, std::vector<ContactVertices>& stencils) {
+        stencils = make_stencils(kind, set, scene->detector->topology());
+      },
+      static_cast<const PerKind<ContactSet>&>(result->frame), result->stencils);
+  return result;
+}
+
+/// The first number of a column, or null if it is not shown.
+template <class Number, class T>
+const Number* column_of(const collided_result& result, ContactField field, const Column<T>& column) {
+  if (column.empty() || !result.fields.has(field)) return nullptr;
+  return reinterpret_cast<const Number*>(column.data());
+}
+
+collided_contacts contacts_of(const collided_result& result, ContactKind kind) {
+  const ContactSet& set = value_of(static_cast<const PerKind<ContactSet>&>(result.frame), kind);
+  const std::vector<ContactVertices>& stencils = value_of(result.stencils, kind);
+  collided_contacts contacts{};
+  contacts.count = set.size();
+  contacts.elements = column_of<uint32_t>(result, ContactField::kElements, set.elements);
+  contacts.stencils = stencils.empty() ? nullptr : stencils.front().data();
+  contacts.toi = column_of<double>(result, ContactField::kToi, set.toi);
+  contacts.distance = column_of<double>(result, ContactField::kDistance, set.distance);
+  contacts.weights = column_of<double>(result, ContactField::kWeights, set.weights);
+  contacts.normals = column_of<float>(result, ContactField::kNormals, set.normals);
+  contacts.flags = column_of<uint8_t>(result, ContactField::kFlags, set.flags);
+  return contacts;
+}
+
+void fill_counts(const FrameCounts& counts, collided_facts& facts) {
+  facts.cells = counts.cells;
+  facts.leaves = counts.leaves;
+  facts.registrations = counts.registrations;
+  facts.tests = counts.tests;
+  facts.pairs = counts.pairs;
+  facts.exact_decisions = counts.exact_decisions;
+  facts.top_level = counts.top_level;
+  facts.base_level = counts.base_level;
+  for_each_kind(
+      [&](ContactKind kind, uint64_t candidates, uint64_t survivors, uint64_t contacts) {
+        const auto k = static_cast<size_t>(kind);
+        facts.candidates[k] = candidates;
+        facts.survivors[k] = survivors;
+        facts.contacts[k] = contacts;
+      },
+      counts.candidates, counts.survivors, counts.contacts);
+}
+
+collided_facts facts_of(const FrameResult& result) {
+  collided_facts facts{};
+  facts.contact_count = count_contacts(result);
+  facts.earliest_toi = result.earliest_toi;
+  facts.advanced = result.advanced.value_or(1);
+  facts.any_contact = result.any_contact;
+  facts.input_resolution = result.input_resolution;
+  facts.step_milliseconds = result.step_milliseconds;
+  facts.stage_count = static_cast<uint32_t>(result.stages.size());
+  facts.unused_option_count = static_cast<uint32_t>(result.unused_options.size());
+  facts.replays = result.replays;
+  facts.allocations = result.allocations;
+  facts.graph_launches = result.graph_launches;
+  facts.broad_phase_engine = c::enumerator_of(result.broad_phase.engine);
+  fill_counts(result.counts, facts);
+  return facts;
+}
+
+template <class T>
+const T& at(const std::vector<T>& values, uint32_t index) {
+  if (index >= values.size())
+    throw InvalidInput("index",
+                       "index is " + std::to_string(index) + ", but there are " + std::to_string(values.size()));
+  return values[index];
+}
+
+/// Returns where the caller wants an object, and sets it to null until the object exists.
+template <class T>
+T** output(T** to, const char* field) {
+  *c::required(to, field) = nullptr;
+  return to;
+}
+
+}  // namespace
+
+collided_status collided_device_count(uint32_t* count) {
+  return c::guarded([&] { *c::required(count, "count") = static_cast<uint32_t>(list_devices().size()); });
+}
+
+collided_status collided_device(uint32_t index, collided_device_info* info) {
+  return c::guarded([&] { write_device(at(list_devices(), index), info); });
+}
+
+collided_status collided_scene_create(const collided_scene_spec* spec, collided_scene** to) {
+  return c::guarded([&] {
+    output(to, "scene");
+    c::Spec parsed = c::parse_spec(spec);
+    auto scene = std::make_unique<collided_scene>(parsed.fields, parsed.stencils);
+    scene->detector = Detector::create(std::move(parsed.engine));
+    *to = scene.release();
+  });
+}
+
+void collided_scene_free(collided_scene* scene) { delete scene; }
+
+collided_status collided_scene_topology(collided_scene* scene, collided_topology* to) {
+  return c::guarded([&] {
+    const Topology& topology = SceneUse(scene)->detector->topology();
+    collided_topology out{};
+    out.elements = topology.triangles.empty() ? nullptr : topology.triangles.front().data();
+    out.edges = topology.edges.empty() ? nullptr : topology.edges.front().data();
+    out.vertex_offsets = topology.vertex_offset.data();
+    out.element_offsets = topology.triangle_offset.data();
+    out.vertex_count = topology.vertex_count;
+    out.element_count = topology.triangles.size();
+    out.edge_count = topology.edges.size();
+    out.mesh_count = topology.vertex_offset.size() - 1;
+    c::write_structure(to, out, "topology");
+  });
+}
+
+collided_status collided_scene_memory(collided_scene* scene, uint64_t* bytes) {
+  return c::guarded([&] {
+    uint64_t sum = 0;
+    for (const MemoryPart& part : SceneUse(scene)->detector->memory()) sum += part.bytes;
+    *c::required(bytes, "bytes") = sum;
+  });
+}
+
+collided_status collided_scene_device(collided_scene* scene, collided_device_info* info) {
+  return c::guarded([&] { write_device(SceneUse(scene)->detector->device(), info); });
+}
+
+collided_status collided_scene_positions(collided_scene* scene, uint32_t mesh, void* to, uint64_t bytes) {
+  return c::guarded([&] {
+    const SceneUse use(scene);
+    c::required(to, "to");
+    const std::vector<uint32_t>& offsets = use->detector->topology().vertex_offset;
+    if (mesh >= offsets.size() - 1)
+      throw InvalidInput("mesh", "mesh is " + std::to_string(mesh) + ", the scene has " +
+                                     std::to_string(offsets.size() - 1) + " meshes");
+    const uint64_t count = offsets[mesh + 1] - offsets[mesh];
+    const uint64_t want = count * position_bytes(use->detector->spec().scalar);
+    if (bytes != want)
+      throw InvalidInput("bytes", "bytes is " + std::to_string(bytes) + ", but the positions of the " +
+                                      std::to_string(count) + " vertices of mesh " + std::to_string(mesh) + " are " +
+                                      std::to_string(want));
+    if (!use->has_frame) throw c::FailedPrecondition("scene has had no frame yet, so that its vertices are nowhere");
+    use->detector->read_positions({offsets[mesh], 1, count}, {static_cast<std::byte*>(to), bytes});
+  });
+}
+
+collided_status collided_detect(collided_scene* scene, const collided_frame* frame, collided_result** to) {
+  return c::guarded([&] {
+    output(to, "result");
+    *to = detect(SceneUse(scene), c::parse_frame(frame)).release();
+  });
+}
+
+void collided_result_free(collided_result* result) { delete result; }
+
+collided_status collided_result_contacts(const collided_result* result, int32_t kind, collided_contacts* contacts) {
+  return c::guarded([&] {
+    c::required(result, "result");
+    if (kind < 1 || kind > static_cast<int32_t>(kContactKinds))
+      throw InvalidInput("kind",
+                         "kind is " + std::to_string(kind) + "; it must be from 1 to " + std::to_string(kContactKinds));
+    c::write_structure(contacts, contacts_of(*result, static_cast<ContactKind>(kind - 1)), "contacts");
+  });
+}
+
+collided_status collided_result_facts(const collided_result* result, collided_facts* facts) {
+  return c::guarded([&] { c::write_structure(facts, facts_of(c::required(result, "result")->frame), "facts"); });
+}
+
+collided_status collided_result_stage(const collided_result* result, uint32_t index, const char** name,
+                                      double* milliseconds) {
+  return c::guarded([&] {
+    const StageTime& stage = at(c::required(result, "result")->frame.stages, index);
+    c::required(milliseconds, "milliseconds");
+    *c::required(name, "name") = stage.stage.c_str();
+    *milliseconds = stage.milliseconds;
+  });
+}
+
+collided_status collided_result_unused_option(const collided_result* result, uint32_t index, const char** name) {
+  return c::guarded(
+      [&] { *c::required(name, "name") = at(c::required(result, "result")->frame.unused_options, index).c_str(); });
+}

@@ -1,0 +1,1 @@
+"""Messages of the protocol, generated from proto/collided/v1 by client/python/generate."""

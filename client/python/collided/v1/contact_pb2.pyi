@@ -1,0 +1,80 @@
+from collided.v1 import shared_range_pb2 as _shared_range_pb2
+from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
+from google.protobuf import descriptor as _descriptor
+from google.protobuf import message as _message
+from typing import ClassVar as _ClassVar, Mapping as _Mapping, Optional as _Optional, Union as _Union
+
+CONTACT_FIELD_DISTANCE: ContactField
+CONTACT_FIELD_ELEMENTS: ContactField
+CONTACT_FIELD_FLAGS: ContactField
+CONTACT_FIELD_NORMAL: ContactField
+CONTACT_FIELD_STENCIL: ContactField
+CONTACT_FIELD_TOI: ContactField
+CONTACT_FIELD_UNSPECIFIED: ContactField
+CONTACT_FIELD_WEIGHTS: ContactField
+CONTACT_FLAG_CAPPED: ContactFlag
+CONTACT_FLAG_CERTIFIED: ContactFlag
+CONTACT_FLAG_INITIAL: ContactFlag
+CONTACT_FLAG_NEAR: ContactFlag
+CONTACT_FLAG_SEPARATING: ContactFlag
+CONTACT_FLAG_UNSPECIFIED: ContactFlag
+CONTACT_KIND_EDGE_EDGE: ContactKind
+CONTACT_KIND_TRIANGLE_TRIANGLE: ContactKind
+CONTACT_KIND_UNSPECIFIED: ContactKind
+CONTACT_KIND_VERTEX_TRIANGLE: ContactKind
+DESCRIPTOR: _descriptor.FileDescriptor
+
+class ContactChunk(_message.Message):
+    __slots__ = ["count", "distance", "elements", "flags", "kind", "normals", "shared", "stencils", "toi", "weights", "worlds"]
+    COUNT_FIELD_NUMBER: _ClassVar[int]
+    DISTANCE_FIELD_NUMBER: _ClassVar[int]
+    ELEMENTS_FIELD_NUMBER: _ClassVar[int]
+    FLAGS_FIELD_NUMBER: _ClassVar[int]
+    KIND_FIELD_NUMBER: _ClassVar[int]
+    NORMALS_FIELD_NUMBER: _ClassVar[int]
+    SHARED_FIELD_NUMBER: _ClassVar[int]
+    STENCILS_FIELD_NUMBER: _ClassVar[int]
+    TOI_FIELD_NUMBER: _ClassVar[int]
+    WEIGHTS_FIELD_NUMBER: _ClassVar[int]
+    WORLDS_FIELD_NUMBER: _ClassVar[int]
+    count: int
+    distance: bytes
+    elements: bytes
+    flags: bytes
+    kind: ContactKind
+    normals: bytes
+    shared: SharedArrays
+    stencils: bytes
+    toi: bytes
+    weights: bytes
+    worlds: bytes
+    def __init__(self, kind: _Optional[_Union[ContactKind, str]] = ..., count: _Optional[int] = ..., elements: _Optional[bytes] = ..., stencils: _Optional[bytes] = ..., toi: _Optional[bytes] = ..., distance: _Optional[bytes] = ..., weights: _Optional[bytes] = ..., normals: _Optional[bytes] = ..., flags: _Optional[bytes] = ..., shared: _Optional[_Union[SharedArrays, _Mapping]] = ..., worlds: _Optional[bytes] = ...) -> None: ...
+
+class SharedArrays(_message.Message):
+    __slots__ = ["distance", "elements", "flags", "normals", "stencils", "toi", "weights", "worlds"]
+    DISTANCE_FIELD_NUMBER: _ClassVar[int]
+    ELEMENTS_FIELD_NUMBER: _ClassVar[int]
+    FLAGS_FIELD_NUMBER: _ClassVar[int]
+    NORMALS_FIELD_NUMBER: _ClassVar[int]
+    STENCILS_FIELD_NUMBER: _ClassVar[int]
+    TOI_FIELD_NUMBER: _ClassVar[int]
+    WEIGHTS_FIELD_NUMBER: _ClassVar[int]
+    WORLDS_FIELD_NUMBER: _ClassVar[int]
+    distance: _shared_range_pb2.SharedRange
+    elements: _shared_range_pb2.SharedRange
+    flags: _shared_range_pb2.SharedRange
+    normals: _shared_range_pb2.SharedRange
+    stencils: _shared_range_pb2.SharedRange
+    toi: _shared_range_pb2.SharedRange
+    weights: _shared_range_pb2.SharedRange
+    worlds: _shared_range_pb2.SharedRange
+    def __init__(self, elements: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., stencils: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., toi: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., distance: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., weights: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., normals: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., flags: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., worlds: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ...) -> None: ...
+
+class ContactKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class ContactField(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []
+
+class ContactFlag(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []

@@ -1,0 +1,112 @@
+// The CUDA devices of this machine, and why some of them cannot be used.
+#include <cuda_runtime.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include "gpu/exec/cuda/device.cuh"
+#include "gpu/exec/cuda_compatibility.hpp"
+#include "gpu/scene/backends/backends.hpp"
+
+namespace collided {
+namespace {
+
+const std::vector<Architecture>& built() {
+  static const std::vector<Architecture> architectures = parse_architectures(COLLIDED_CUDA_ARCHITECTURES);
+  return architectures;
+}
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && std::string_view(value) == "1";
+}
+
+struct Survey {
+  std::vector<DeviceInfo> usable = {};
+  std::vector<UnusableDevice> unusable = {};
+};
+
+// `count`: of the devices, if there are any.
+CudaMachine machine_of(int& count) {
+  CudaMachine machine{.ignores_code = is_set("CUDA_FORCE_PTX_JIT"), .ignores_ptx = is_set("CUDA_DISABLE_PTX_JIT")};
+  std::error_code ignored;
+  machine.has_module = std::filesystem::exists("/proc/driver/nvidia/version", ignored);
+  cudaRuntimeGetVersion(&machine.runtime);
+  cudaDriverGetVersion(&machine.driver);
+  const cudaError_t error = cudaGetDeviceCount(&count);
+  cudaGetLastError();
+  machine.has_devices = error == cudaSuccess && count > 0;
+  if (error != cudaSuccess && error != cudaErrorNoDevice) machine.error = cudaGetErrorString(error);
+  return machine;
+}
+
+void add_device(int ordinal, const CudaMachine& machine, Survey& survey) {
+  cudaDeviceProp properties{};
+  if (const cudaError_t error = cudaGetDeviceProperties(&properties, ordinal); error != cudaSuccess) {
+    cudaGetLastError();
+    survey.unusable.push_back(
+        {cuda_device(ordinal), "", std::string("it does not answer: ") + cudaGetErrorString(error)});
+    return;
+  }
+  const Capability capability{properties.major, properties.minor};
+  std::string obstacle = device_obstacle(capability, built(), machine);
+  int mode = cudaComputeModeDefault;
+  if (cudaDeviceGetAttribute(&mode, cudaDevAttrComputeMode, ordinal) == cudaSuccess &&
+      mode == cudaComputeModeProhibited)
+    obstacle = "its compute mode is 'prohibited'; nvidia-smi --compute-mode=0 changes it";
+  if (!obstacle.empty()) return survey.unusable.push_back({cuda_device(ordinal), properties.name, std::move(obstacle)});
+  DeviceInfo info = info_of(ordinal, properties);
+  info.capability = to_string(capability);
+  info.needs_compilation = kernels_for(capability, built(), machine) == Kernels::kPtx;
+  survey.usable.push_back(std::move(info));
+}
+
+Survey survey() {
+  int count = 0;
+  Survey found;
+  const CudaMachine machine = machine_of(count);
+  if (std::string obstacle = machine_obstacle(machine); !obstacle.empty()) {
+    found.unusable.push_back({{}, "", std::move(obstacle), is_absent(machine)});
+    return found;
+  }
+  for (int ordinal = 0; ordinal < count; ++ordinal) add_device(ordinal, machine, found);
+  return found;
+}
+
+// Devices are the same for as long as the process lives, and asking for their properties takes milliseconds.
+const Survey& surveyed() {
+  static const Survey found = survey();
+  return found;
+}
+
+}  // namespace
+
+std::vector<DeviceInfo> cuda_devices() { return surveyed().usable; }
+
+std::vector<UnusableDevice> unusable_cuda_devices() { return surveyed().unusable; }
+
+std::string why_no_cuda() {
+  std::string why;
+  if (surveyed().usable.empty())
+    for (const UnusableDevice& each : surveyed().unusable) why += (why.empty() ? "" : "; ") + to_string(each);
+  return why;
+}
+
+void check_cuda_ordinal(int ordinal) {
+  const auto& [usable, unusable] = surveyed();
+  std::string there;
+  for (const DeviceInfo& info : usable) {
+    if (info.device.ordinal == ordinal) return;
+    there += (there.empty() ? "" : ", ") + std::to_string(info.device.ordinal);
+  }
+  for (const UnusableDevice& each : unusable)
+    if (!each.device || each.device->ordinal == ordinal) throw DeviceError("device: " + to_string(each));
+  if (usable.empty()) throw DeviceError("device: " + why_no_cuda());
+  throw InvalidInput(
+      "device", "device is " + to_string(cuda_device(ordinal)) + ": this machine has " + std::to_string(usable.size()) +
+                    (usable.size() == 1 ? " usable CUDA device (" : " usable CUDA devices (") + there + ")");
+}
+
+}  // namespace collided

@@ -1,0 +1,9 @@
+#include "gpu/scene/cuda_detector.cuh"
+
+namespace collided {
+
+template std::unique_ptr<Detector> make_cuda_detector_of<double>(SceneSpec spec, FeatureTables features,
+                                                                 const PartOf* part);
+template void load_cuda_kernels_of<double>();
+
+}  // namespace collided

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Starts a daemon on a GPU with its code, and with its PTX alone: seconds until it is ready, and whether contacts are the same.
+
+usage: ptx_bench.py DAEMON COLLIDECTL [--out FILE] [--date DATE] [--commit COMMIT]
+
+Four starts: with code; with PTX (CUDA_FORCE_PTX_JIT=1) and an empty cache, so that the driver compiles all kernels; with PTX
+and the cache of the start before; and by `collidectl` with another empty cache, which waits for a daemon of its own. The
+seconds of each end with the ready file; `first_scene` is a scene of one frame after that. Exits with 1 if any digest of
+contacts differs, or a start with PTX was not announced in the log.
+"""
+
+import argparse
+import contextlib
+import hashlib
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+PATIENCE = 1800
+SCENES = {
+    "cloth_ball, ccd": ["--scene", "cloth_ball"],
+    "cloth_ball, ccd, exact": ["--scene", "cloth_ball", "--accuracy", "exact", "--scale", "0.5"],
+    "funnel, dcd": ["--scene", "funnel", "--mode", "dcd", "--thickness", "0.01", "--kinds", "vt,ee,tt"],
+    "nbody, octree, f64": ["--scene", "nbody", "--engine", "octree", "--position-format", "f64"],
+    "reef_knot, lbvh": ["--scene", "reef_knot", "--engine", "lbvh"],
+}
+ANNOUNCED = "compiling the kernels"
+
+
+def environment(cache, is_ptx):
+    """Of a process that finds nothing compiled but what is in `cache`."""
+    forced = {"CUDA_FORCE_PTX_JIT": "1"} if is_ptx else {}
+    return {**os.environ, "CUDA_CACHE_PATH": str(cache), "CUDA_CACHE_MAXSIZE": str(1 << 30), **forced}
+
+
+@contextlib.contextmanager
+def started(daemon, env):
+    """A daemon that is ready: its address, the seconds that took, and its log."""
+    with tempfile.TemporaryDirectory() as folder:
+        ready, log, socket = (pathlib.Path(folder, name) for name in ("ready", "log", "socket"))
+        begin = time.monotonic()
+        with log.open("wb") as out, subprocess.Popen([daemon, "--backend", "cuda", "--address", f"unix:{socket}", "--ready-file", ready],
+                                                     stdout=out, stderr=out, env=env) as process:
+            try:
+                while not ready.exists():
+                    if process.poll() is not None or time.monotonic() - begin > PATIENCE:
+                        sys.exit(f"ptx_bench.py: the daemon is not ready: {log.read_text()}")
+                    time.sleep(0.01)
+                yield f"unix:{socket}", time.monotonic() - begin, log.read_text()
+            finally:
+                process.terminate()
+
+
+def digest(collidectl, address, words):
+    """Of the contacts of some frames, and the seconds that took."""
+    with tempfile.TemporaryDirectory() as folder:
+        contacts = pathlib.Path(folder, "contacts.csv")
+        begin = time.monotonic()
+        subprocess.run([collidectl, "stream", "--server", address, "--backend", "cuda", "--out", contacts, *words], check=True,
+                       stdout=subprocess.DEVNULL, timeout=PATIENCE)
+        seconds = time.monotonic() - begin
+        lines = contacts.read_bytes()
+    return {"contacts": lines.count(b"\n") - 1, "sha256": hashlib.sha256(lines).hexdigest()}, seconds
+
+
+def measure(arguments, env):
+    with started(arguments.daemon, env) as (address, seconds, log):
+        _, first = digest(arguments.collidectl, address, ["--scene", "funnel", "--scale", "0.2", "--frames", "1"])
+        digests = {name: digest(arguments.collidectl, address, [*words, "--frames", "20", "--dt", "0.05"])[0] for name, words in SCENES.items()}
+    announced = [line for line in log.splitlines() if ANNOUNCED in line]
+    return {"ready_seconds": round(seconds, 2), "first_scene_seconds": round(first, 2), "announced": announced, "digests": digests}
+
+
+def own_daemon(arguments, env):
+    """collidectl starts one, and waits."""
+    begin = time.monotonic()
+    done = subprocess.run([arguments.collidectl, "stream", "--scene", "funnel", "--scale", "0.2", "--frames", "1", "--backend", "cuda"],
+                          capture_output=True, text=True, timeout=PATIENCE, env={**env, "COLLIDED_DAEMON": arguments.daemon})
+    return {"seconds": round(time.monotonic() - begin, 2), "exit_code": done.returncode, "said": done.stderr.strip()}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("daemon")
+    parser.add_argument("collidectl")
+    for option in ("--out", "--date", "--commit"):
+        parser.add_argument(option, default="")
+    arguments = parser.parse_args()
+    version = subprocess.run([arguments.daemon, "--version"], check=True, capture_output=True, text=True).stdout
+    report = {"date": arguments.date, "commit": arguments.commit, "version": version.splitlines()}
+    with tempfile.TemporaryDirectory() as cache, tempfile.TemporaryDirectory() as other:
+        report["code"] = measure(arguments, environment(cache, False))
+        report["ptx, empty cache"] = measure(arguments, environment(cache, True))
+        report["cache_bytes"] = sum(file.stat().st_size for file in pathlib.Path(cache).rglob("*") if file.is_file())
+        report["ptx, cached"] = measure(arguments, environment(cache, True))
+        report["collidectl, ptx, empty cache"] = own_daemon(arguments, environment(other, True))
+    ways = [report[way] for way in ("code", "ptx, empty cache", "ptx, cached")]
+    report["same_contacts"] = all(way["digests"] == ways[0]["digests"] for way in ways)
+    report["was_announced"] = not ways[0]["announced"] and all(way["announced"] for way in ways[1:])
+    text = json.dumps(report, indent=1)
+    print(text)
+    if arguments.out:
+        pathlib.Path(arguments.out).write_text(text + "\n", encoding="utf-8")
+    return 0 if report["same_contacts"] and report["was_announced"] and report["collidectl, ptx, empty cache"]["exit_code"] == 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,221 @@
+// The C library finds what the engine finds, bit for bit, and refuses what cannot be used.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/client/c/run.h"
+#include "tests/client/c/scenes.hpp"
+
+namespace collided::test {
+namespace {
+
+/// Compares with the engine's answers, frame by frame.
+struct Judge {
+  std::vector<FrameResult> results;
+  Topology topology;
+  size_t contacts = 0, columns = 0;
+};
+
+template <class Number, class T>
+void expect_same(const Number* numbers, const Column<T>& column, Judge& judge) {
+  ASSERT_EQ(numbers == nullptr, column.empty());
+  if (numbers == nullptr) return;
+  ++judge.columns;
+  EXPECT_EQ(std::memcmp(numbers, column.data(), column.size() * sizeof(T)), 0);
+}
+
+void compare(void* context, size_t frame, int32_t kind, const collided_contacts* contacts) {
+  Judge& judge = *static_cast<Judge*>(context);
+  const FrameResult& result = judge.results.at(frame);
+  const ContactSet& set = kind == COLLIDED_VERTEX_TRIANGLE ? result.vertex_triangle
+                          : kind == COLLIDED_EDGE_EDGE     ? result.edge_edge
+                                                           : result.triangle_triangle;
+  ASSERT_EQ(contacts->count, set.size());
+  judge.contacts += contacts->count;
+  expect_same(contacts->elements, set.elements, judge);
+  expect_same(contacts->toi, set.toi, judge);
+  expect_same(contacts->distance, set.distance, judge);
+  expect_same(contacts->weights, set.weights, judge);
+  expect_same(contacts->normals, set.normals, judge);
+  expect_same(contacts->flags, set.flags, judge);
+  ASSERT_EQ(contacts->stencils == nullptr, contacts->count == 0 || kind == COLLIDED_TRIANGLE_TRIANGLE);
+  for (uint64_t i = 0; contacts->stencils != nullptr && i < contacts->count; ++i) {
+    const uint32_t *s = contacts->stencils + 4 * i, *e = contacts->elements + 2 * i;
+    if (kind == COLLIDED_VERTEX_TRIANGLE) {
+      EXPECT_EQ(s[0], e[0]);
+      EXPECT_EQ((std::array{s[1], s[2], s[3]}), judge.topology.triangles[e[1]]);
+    } else {
+      EXPECT_EQ((std::array{s[0], s[1]}), judge.topology.edges[e[0]]);
+      EXPECT_EQ((std::array{s[2], s[3]}), judge.topology.edges[e[1]]);
+    }
+  }
+}
+
+class SameAsEngine : public testing::TestWithParam<CaseOfFrames> {};
+
+TEST_P(SameAsEngine, InEveryFrame) {
+  const Scene scene(GetParam());
+  Judge judge;
+  const auto engine = Detector::create(scene.engine());
+  judge.topology = engine->topology();
+  for (size_t i = 0; i < Scene::kFrames; ++i) judge.results.push_back(engine->detect(scene.engine_frame(i)));
+  ASSERT_EQ(run_frames(&scene.spec, scene.frames.data(), scene.frames.size(), compare, &judge), COLLIDED_OK)
+      << collided_error_message();
+  EXPECT_GT(judge.contacts, 20u);
+  EXPECT_GT(judge.columns, 2u);
+}
+
+INSTANTIATE_TEST_SUITE_P(CLibrary, SameAsEngine,
+                         testing::Values(CaseOfFrames{}, CaseOfFrames{.accuracy = COLLIDED_CANDIDATES},
+                                         CaseOfFrames{.accuracy = COLLIDED_FAST},
+                                         CaseOfFrames{.accuracy = COLLIDED_GUARDED, .format = COLLIDED_Q16},
+                                         CaseOfFrames{.accuracy = COLLIDED_EXACT, .format = COLLIDED_F64},
+                                         CaseOfFrames{.format = COLLIDED_F64, .is_rigid = true},
+                                         CaseOfFrames{.mode = COLLIDED_DCD, .thickness = 0.03},
+                                         CaseOfFrames{.mode = COLLIDED_DCD,
+                                                      .kinds = COLLIDED_KINDS_TRIANGLE_TRIANGLE}));
+
+class CLibrary : public testing::Test {
+ protected:
+  void create() { ASSERT_EQ(collided_scene_create(&scene.spec, &made), COLLIDED_OK) << collided_error_message(); }
+  collided_status detect(size_t i, collided_result** result) { return collided_detect(made, &scene.frames[i], result); }
+  void TearDown() override { collided_scene_free(made); }
+
+  Scene scene{{}};
+  collided_scene* made = nullptr;
+};
+
+TEST_F(CLibrary, HasTheVersionOfItsHeader) {
+  EXPECT_EQ(collided_abi_version(), static_cast<uint32_t>(COLLIDED_ABI_VERSION));
+  EXPECT_STREQ(collided_version(), COLLIDED_VERSION);
+}
+
+// Programs that are compiled already have these numbers.
+TEST_F(CLibrary, StructuresKeepTheirLayout) {
+  EXPECT_EQ(sizeof(collided_mesh), 88u);
+  EXPECT_EQ(offsetof(collided_mesh, vertex_count), 56u);
+  EXPECT_EQ(sizeof(collided_scene_spec), 144u);
+  EXPECT_EQ(offsetof(collided_scene_spec, mode), 48u);
+  EXPECT_EQ(offsetof(collided_scene_spec, thickness), 80u);
+  EXPECT_EQ(sizeof(collided_update), 80u);
+  EXPECT_EQ(offsetof(collided_update, transform), 64u);
+  EXPECT_EQ(sizeof(collided_frame), 80u);
+  EXPECT_EQ(offsetof(collided_frame, delta), 48u);
+  EXPECT_EQ(sizeof(collided_contacts), 72u);
+  EXPECT_EQ(sizeof(collided_facts), 200u);
+  EXPECT_EQ(sizeof(collided_topology), 72u);
+  EXPECT_EQ(sizeof(collided_device_info), 160u);
+}
+
+TEST_F(CLibrary, FactsStagesTopologyAndPositionsAreThere) {
+  create();
+  collided_result* result = nullptr;
+  ASSERT_EQ(detect(0, &result), COLLIDED_OK);
+  collided_result_free(result);
+  ASSERT_EQ(detect(1, &result), COLLIDED_OK);
+  collided_facts facts = {};
+  facts.struct_size = sizeof(facts);
+  ASSERT_EQ(collided_result_facts(result, &facts), COLLIDED_OK);
+  EXPECT_EQ(facts.contact_count, facts.contacts[0] + facts.contacts[1] + facts.contacts[2]);
+  EXPECT_TRUE(facts.any_contact);
+  EXPECT_LT(facts.earliest_toi, 1);
+  EXPECT_GE(facts.broad_phase_engine, COLLIDED_OCTREE);
+  ASSERT_GT(facts.stage_count, 0u);
+  const char* name = nullptr;
+  double milliseconds = -1;
+  EXPECT_EQ(collided_result_stage(result, facts.stage_count - 1, &name, &milliseconds), COLLIDED_OK);
+  EXPECT_GE(milliseconds, 0);
+  EXPECT_EQ(collided_result_stage(result, facts.stage_count, &name, &milliseconds), COLLIDED_INVALID_ARGUMENT);
+  EXPECT_STREQ(collided_error_field(), "index");
+  collided_result_free(result);
+
+  collided_topology topology = {};
+  topology.struct_size = sizeof(topology);
+  ASSERT_EQ(collided_scene_topology(made, &topology), COLLIDED_OK);
+  EXPECT_EQ(topology.mesh_count, 2u);
+  EXPECT_EQ(topology.vertex_offsets[2], topology.vertex_count);
+  std::vector<float> positions(3 * topology.vertex_offsets[1]);
+  ASSERT_EQ(collided_scene_positions(made, 0, positions.data(), positions.size() * sizeof(float)), COLLIDED_OK);
+  EXPECT_EQ(std::memcmp(positions.data(), scene.frames[1].updates[0].end, positions.size() * sizeof(float)), 0);
+  uint64_t bytes = 0;
+  EXPECT_EQ(collided_scene_memory(made, &bytes), COLLIDED_OK);
+  EXPECT_GT(bytes, 0u);
+  collided_device_info info = {};
+  info.struct_size = sizeof(info);
+  EXPECT_EQ(collided_scene_device(made, &info), COLLIDED_OK);
+  EXPECT_STREQ(info.id, "cpu:0");
+}
+
+TEST_F(CLibrary, AResultOutlivesItsScene) {
+  create();
+  collided_result *first = nullptr, *result = nullptr;
+  ASSERT_EQ(detect(0, &first), COLLIDED_OK);
+  ASSERT_EQ(detect(1, &result), COLLIDED_OK);
+  collided_result_free(first);
+  collided_scene_free(made);
+  made = nullptr;
+  collided_contacts contacts = {};
+  contacts.struct_size = sizeof(contacts);
+  ASSERT_EQ(collided_result_contacts(result, COLLIDED_EDGE_EDGE, &contacts), COLLIDED_OK);
+  EXPECT_GT(contacts.count, 0u);
+  EXPECT_LT(contacts.stencils[4 * contacts.count - 1], 2u * 14 * 14);
+  collided_result_free(result);
+}
+
+TEST_F(CLibrary, FieldsThatAreNotAskedForAreNull) {
+  scene.spec.fields = COLLIDED_FIELDS_TOI;
+  create();
+  collided_result *first = nullptr, *result = nullptr;
+  ASSERT_EQ(detect(0, &first), COLLIDED_OK);
+  ASSERT_EQ(detect(1, &result), COLLIDED_OK);
+  collided_contacts contacts = {};
+  contacts.struct_size = sizeof(contacts);
+  ASSERT_EQ(collided_result_contacts(result, COLLIDED_VERTEX_TRIANGLE, &contacts), COLLIDED_OK);
+  EXPECT_GT(contacts.count, 0u);
+  EXPECT_NE(contacts.toi, nullptr);
+  for (const void* column : {static_cast<const void*>(contacts.elements), static_cast<const void*>(contacts.stencils),
+                             static_cast<const void*>(contacts.distance), static_cast<const void*>(contacts.flags),
+                             static_cast<const void*>(contacts.normals)})
+    EXPECT_EQ(column, nullptr);
+  collided_result_free(first);
+  collided_result_free(result);
+}
+
+TEST_F(CLibrary, AFrameIsCancelledAndTheSceneStaysBusyMeanwhile) {
+  create();
+  struct Asked {
+    collided_scene* scene;
+    int times = 0;
+    collided_status meanwhile = COLLIDED_OK;
+  } asked{made};
+  scene.frames[0].cancelled_context = &asked;
+  scene.frames[0].cancelled = [](void* context) -> int32_t {
+    Asked& self = *static_cast<Asked*>(context);
+    ++self.times;
+    uint64_t bytes = 0;
+    self.meanwhile = collided_scene_memory(self.scene, &bytes);
+    return 1;
+  };
+  collided_result* result = nullptr;
+  EXPECT_EQ(detect(0, &result), COLLIDED_CANCELLED);
+  EXPECT_EQ(result, nullptr);
+  EXPECT_GT(asked.times, 0);
+  EXPECT_EQ(asked.meanwhile, COLLIDED_FAILED_PRECONDITION);
+  scene.frames[0].cancelled = nullptr;
+  EXPECT_EQ(detect(0, &result), COLLIDED_OK) << "the scene is usable again";
+  collided_result_free(result);
+}
+
+TEST_F(CLibrary, ErrorsAreEachThreadsOwn) {
+  EXPECT_EQ(collided_scene_create(nullptr, nullptr), COLLIDED_INVALID_ARGUMENT);
+  EXPECT_STREQ(collided_error_message(), "scene is null");
+  std::thread([] {
+    EXPECT_STREQ(collided_error_message(), "");
+    EXPECT_EQ(collided_result_facts(nullptr, nullptr), COLLIDED_INVALID_ARGUMENT);
+    EXPECT_STREQ(collided_error_field(), "result");
+  }).join();
+  EXPECT_STREQ(collided_error_field(), "scene");
+}
+
+}  // namespace
+}  // namespace collided::test
