@@ -16,7 +16,7 @@ class FreedMemory {
   /// Does nothing unless much was freed since the last trim, or much more is resident and unused than it left. Takes
   /// milliseconds when it trims.
   void give_back() {
-    const double used = used_bytes(), unused = unused_bytes();
+    const double used = process_heap_bytes(), unused = unused_bytes();
     most_used_ = std::max(most_used_, used);
     left_ = std::min(left_, unused);
     if (most_used_ - used < kThreshold && unused - left_ < kThreshold) return;
@@ -28,17 +28,13 @@ class FreedMemory {
  private:
   static constexpr double kThreshold = 8 << 20;
 
-  static double used_bytes() {
-    const auto used = mallinfo2();
-    return static_cast<double>(used.uordblks + used.hblkhd);
-  }
   /// Includes memory that never was the allocator's, such as stacks.
   static double unused_bytes() {
     const double resident = process_private_bytes();
-    return resident - used_bytes();
+    return resident - process_heap_bytes();
   }
 
-  double most_used_ = used_bytes();  ///< since the last trim
+  double most_used_ = process_heap_bytes();  ///< since the last trim
   double left_ = unused_bytes();     ///< by the last trim, or less
 };
 

@@ -124,7 +124,7 @@ struct Metrics::Families {
   Histogram& frame_seconds;
   Gauge &scenes, &streams, &watchers, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes, &connections;
   Gauge &max_scenes, &max_streams, &max_device_bytes, &ready;
-  Gauge &resident_bytes, &open_files;
+  Gauge &heap_bytes, &resident_bytes, &open_files;
   Family<Gauge>&device_scenes, &device_held_bytes, &device_max_bytes, &device_free_bytes, &device_waiting_frames;
   Family<Counter>& device_busy_seconds;
   Family<Histogram>& phase_family;
@@ -172,6 +172,7 @@ Metrics::Families::Families()
       max_streams(gauge(registry, "collided_max_streams", "Limit of open streams")),
       max_device_bytes(gauge(registry, "collided_max_device_bytes", "Limit of the bytes that all scenes hold")),
       ready(gauge(registry, "collided_ready", "1 while /readyz is 200, else 0")),
+      heap_bytes(gauge(registry, "collided_heap_bytes", "Bytes that the daemon holds of the memory of its process")),
       resident_bytes(gauge(registry, "process_resident_memory_bytes", "Resident memory size in bytes")),
       open_files(gauge(registry, "process_open_fds", "Number of open file descriptors")),
       device_scenes(gauges_of(registry, "collided_device_scenes", "Scenes that live on the device")),
@@ -231,6 +232,7 @@ void Metrics::Families::set_gauges_now() const {
   ready.Set(now.is_ready ? 1 : 0);
   for (const DeviceGauges& device : now.devices) set_gauges_of(device);
   if (const auto more = static_cast<double>(now.evicted) - evicted.Value(); more > 0) evicted.Increment(more);
+  heap_bytes.Set(process_heap_bytes());
   resident_bytes.Set(process_resident_bytes());
   open_files.Set(process_open_files());
   dropped_lines.Increment(static_cast<double>(dropped_log_lines()) - dropped_lines.Value());

@@ -1,6 +1,7 @@
 // Facts about this process, from the operating system.
 #include "server/ops/process.hpp"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -37,6 +38,11 @@ double process_resident_bytes() { return bytes_of(process_pages().resident); }
 double process_private_bytes() {
   const Pages pages = process_pages();
   return bytes_of(pages.resident - pages.shared);
+}
+
+double process_heap_bytes() {
+  const auto heap = mallinfo2();
+  return static_cast<double>(heap.uordblks + heap.hblkhd);
 }
 
 double process_open_files() {

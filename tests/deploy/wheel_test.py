@@ -76,7 +76,7 @@ class Wheels(unittest.TestCase):
     def test_one_for_others_draws_the_picture(self):
         wheels = self.folder / "wheels"
         run(REPOSITORY / "deploy" / "wheel", "--build", BUILD, wheels)
-        names = sorted(wheel.name for wheel in wheels.glob("*.whl"))
+        names = sorted((wheel.name for wheel in wheels.glob("*.whl")), reverse=True)
         self.assertEqual(len(names), 2, names)
         self.assertRegex(names[0], r"-py3-none-manylinux_2_\d+_\w+\.whl$")
         self.assertRegex(names[1], r"-py3-none-any\.whl$")

@@ -12,18 +12,18 @@ _METRIC = re.compile(r"^collided_(\w+) (\d+)(?:\.0*)?$", re.MULTILINE)
 _STATUS = re.compile(r"^(VmRSS|Threads):\s+(\d+)", re.MULTILINE)
 
 
-def held(daemon):
+def held(daemon, names=HELD):
     """Gauges of what clients hold there."""
     metrics = dict(_METRIC.findall(daemon.http("/metrics")[1]))
-    return {name: int(metrics[name]) for name in HELD}
+    return {name: int(metrics[name]) for name in names}
 
 
 def sample(daemon):
-    """rss in bytes, fds, threads and device_bytes."""
-    metrics = held(daemon)
+    """rss and heap in bytes, fds, threads and device_bytes."""
+    metrics = held(daemon, ("heap_bytes", "device_bytes"))
     process = pathlib.Path("/proc", str(daemon.process.pid))
     status = dict(_STATUS.findall((process / "status").read_text()))
-    return {"rss": 1024 * int(status["VmRSS"]), "fds": len(list((process / "fd").iterdir())),
+    return {"rss": 1024 * int(status["VmRSS"]), "heap": metrics["heap_bytes"], "fds": len(list((process / "fd").iterdir())),
             "threads": int(status["Threads"]), "device_bytes": metrics["device_bytes"]}
 
 

@@ -3,6 +3,10 @@
 import math
 
 RSS_PERCENT = 1.0  # of its mean, in 100 tides
+UNRETURNED = {  # bytes that are freed, and counted none the less: so much more in all tides is no growth
+    "rss": 8 << 20,  # what the daemon does not give back to the system, so that rss has steps
+    "heap": 1 << 20,  # what the allocator keeps for each thread, and the last scenes that ended, whose ends can be asked for
+}
 LEAST_TIDES = 9  # fewer tell nothing
 POOLED = ("fds", "threads")  # gRPC's pools keep a few threads, and their descriptors, more or less when all are gone:
 POOL = 1.0  # so much in all tides is no growth; what each tide keeps is
@@ -40,10 +44,10 @@ def verdict(tides):
         values = [tide[name] for tide in kept]
         grows, error = slope(values)
         slopes[name] = {"per_tide": grows, "standard_error": error, "first": values[0], "last": values[-1]}
-        if name == "rss":
-            allowed = RSS_PERCENT / 100 * sum(values) / len(values) / 100
+        if name in UNRETURNED:
+            allowed = RSS_PERCENT / 100 * sum(tide["rss"] for tide in kept) / len(kept) / 100 + UNRETURNED[name] / (len(values) - 1)
             if grows - CERTAIN * error > allowed:
-                complaints.append(f"rss grows by {grows:.0f} +- {error:.0f} bytes in a tide; {allowed:.0f} are allowed")
+                complaints.append(f"{name} grows by {grows:.0f} +- {error:.0f} bytes in a tide; {allowed:.0f} are allowed")
         elif name in POOLED:
             if (grows - CERTAIN * error) * (len(values) - 1) > POOL:
                 complaints.append(f"{name} grow by {grows:.2f} +- {error:.2f} in a tide: {values}")

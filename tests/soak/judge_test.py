@@ -8,7 +8,7 @@ from judge import slope, verdict
 
 
 def tides(rss, **others):
-    same = {"fds": 20, "threads": 12, "device_bytes": 0}
+    same = {"heap": 2e6, "fds": 20, "threads": 12, "device_bytes": 0}
     return [{"rss": value, **same, **{name: values[i] for name, values in others.items()}} for i, value in enumerate(rss)]
 
 
@@ -29,7 +29,15 @@ class Judge(unittest.TestCase):
             self.assertEqual(verdict(tides(self.noisy(60, 0)))[1], [])
 
     def test_growth_in_noise_is_found(self):
-        self.assertIn("rss grows", verdict(tides(self.noisy(60, 40e3)))[1][0])
+        self.assertIn("rss grows", verdict(tides(self.noisy(60, 300e3)))[1][0])
+        self.assertIn("rss grows", verdict(tides(self.noisy(600, 80e3)))[1][0])
+        self.assertIn("heap grows", verdict(tides(self.noisy(60, 0), heap=self.noisy(60, 50e3)))[1][0])
+
+    def test_what_is_freed_and_not_returned_is_no_growth(self):
+        for _ in range(100):
+            steps = [41e6 + self.rng.choice((0, 8e6)) for _ in range(24)]
+            self.assertEqual(verdict(tides(steps))[1], [])
+        self.assertEqual(verdict(tides([41e6] * 16 + [49e6] * 8))[1], [])
 
     def test_growth_while_it_warms_up_is_none(self):
         self.assertEqual(verdict(tides([1e6 * min(i, 19) for i in range(60)]))[1], [])

@@ -11,7 +11,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "client" / "measure"))
 from pictures.canvas import BLUE, MUTED, ORANGE, plt, save
 
-MEASURES = {"rss": ("resident memory, MB", 1e6), "device_bytes": ("bytes of scenes, MB", 1e6),
+MEASURES = {"rss": ("resident memory, MB", 1e6), "heap": ("memory that the daemon's code holds, MB", 1e6), "device_bytes": ("bytes of scenes, MB", 1e6),
             "fds": ("descriptors", 1), "threads": ("threads", 1)}
 
 

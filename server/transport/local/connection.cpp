@@ -48,6 +48,11 @@ Origin origin_of_process(int socket) {
   return {fmt::format("uid:{}", process.uid), fmt::format("pid:{}", process.pid)};
 }
 
+bool has_packet(int socket) {
+  char first = 0;
+  return recv(socket, &first, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
 Fd make_event() {
   Fd event(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
   if (!event) throw std::system_error(errno, std::generic_category(), "eventfd");
@@ -175,6 +180,10 @@ void Connection::take(Packet packet) {
 }
 
 void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) {
+  {
+    const std::lock_guard lock(mutex_);
+    is_opening_ = true;
+  }
   requested_scene_id_ = shorten(open.open().scene_id(), 64);
   opening_ = check_opening(open, std::move(files), rules_, origin_of_process(socket_.get()));
   account_.emplace(rules_.host.host_turns().account(opening_.client->turn_path()));
@@ -281,7 +290,7 @@ void Connection::stop() {
 
 bool Connection::end_unopened(const std::exception_ptr& why) {
   const std::lock_guard lock(mutex_);
-  if (session_ || owes_opened_ || closed_) return false;
+  if (is_opening_ || closed_ || has_packet(socket_.get())) return false;
   close_locked(describe(why));
   return true;
 }

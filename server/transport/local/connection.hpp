@@ -37,7 +37,8 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   void serve();
   /// Ends the stream soon. Thread-safe.
   void stop();
-  /// Ends the connection soon, unless its stream is open. False if it is, or if it has ended already. Thread-safe.
+  /// Ends the connection soon, unless its opening has come, read or not. False if it has, or if the connection has ended
+  /// already. Thread-safe.
   bool end_unopened(const std::exception_ptr& why);
   /// Bytes of answers that the client has not taken.
   uint64_t outgoing_bytes() const;
@@ -104,6 +105,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   std::optional<uint64_t> edit_in_flight_;
   std::optional<Failure> closed_;  // why the stream ends, once decided
   Clock::time_point awake_until_ = Clock::time_point::min();
+  bool is_opening_ = false;   // from the opening on
   bool owes_opened_ = false;  // the client, even one that has half-closed
   bool read_all_ = false, is_stopping_ = false;
 };

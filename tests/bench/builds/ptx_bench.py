@@ -83,6 +83,18 @@ def own_daemon(arguments, env):
     return {"seconds": round(time.monotonic() - begin, 2), "exit_code": done.returncode, "said": done.stderr.strip()}
 
 
+def write(report, arguments):
+    if arguments.out:
+        pathlib.Path(arguments.out).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+
+
+def put(report, arguments, way, result):
+    """Writes what is known so far: a start that compiles takes minutes."""
+    report[way] = result
+    print(f"{way}: {json.dumps(result, indent=1)}", flush=True)
+    write(report, arguments)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("daemon")
@@ -93,18 +105,15 @@ def main():
     version = subprocess.run([arguments.daemon, "--version"], check=True, capture_output=True, text=True).stdout
     report = {"date": arguments.date, "commit": arguments.commit, "version": version.splitlines()}
     with tempfile.TemporaryDirectory() as cache, tempfile.TemporaryDirectory() as other:
-        report["code"] = measure(arguments, environment(cache, False))
-        report["ptx, empty cache"] = measure(arguments, environment(cache, True))
+        put(report, arguments, "code", measure(arguments, environment(cache, False)))
+        put(report, arguments, "ptx, empty cache", measure(arguments, environment(cache, True)))
         report["cache_bytes"] = sum(file.stat().st_size for file in pathlib.Path(cache).rglob("*") if file.is_file())
-        report["ptx, cached"] = measure(arguments, environment(cache, True))
-        report["collidectl, ptx, empty cache"] = own_daemon(arguments, environment(other, True))
+        put(report, arguments, "ptx, cached", measure(arguments, environment(cache, True)))
+        put(report, arguments, "collidectl, ptx, empty cache", own_daemon(arguments, environment(other, True)))
     ways = [report[way] for way in ("code", "ptx, empty cache", "ptx, cached")]
     report["same_contacts"] = all(way["digests"] == ways[0]["digests"] for way in ways)
     report["was_announced"] = not ways[0]["announced"] and all(way["announced"] for way in ways[1:])
-    text = json.dumps(report, indent=1)
-    print(text)
-    if arguments.out:
-        pathlib.Path(arguments.out).write_text(text + "\n", encoding="utf-8")
+    write(report, arguments)
     return 0 if report["same_contacts"] and report["was_announced"] and report["collidectl, ptx, empty cache"]["exit_code"] == 0 else 1
 
 

@@ -158,6 +158,16 @@ TEST(LocalSocket, SilentConnectionsKeepNobodyOut) {
   expect_tip_contact(honest.ask_shared(first_frame(2)), 2);
 }
 
+// A stream is open once its client is told so, however soon others come then.
+TEST(LocalSocket, AStreamThatHasJustOpenedDoesNotGiveWay) {
+  for (int i = 0; i < 20 && !HasFailure(); ++i) {
+    LocalDaemon daemon({"--max-streams", "2", "--max-streams-per-client", "2"});
+    LocalStream honest(daemon.path(), daemon.make_scene(tip_request()));
+    const RawLocal silent(daemon.path()), next(daemon.path());
+    expect_tip_contact(honest.ask_shared(first_frame(2)), 2);
+  }
+}
+
 TEST(LocalSocket, AStreamThatIsHalfClosedAtOnceIsToldThatItIsOpen) {
   LocalDaemon daemon;
   const std::string id = daemon.make_scene(tip_request());

@@ -28,12 +28,12 @@ PACKAGE, PROTO = REPOSITORY / "client" / "python", REPOSITORY / "proto"
 ADVICE = "run client/python/generate"
 
 
-def without_json_names(message):
-    """The declaration as protoc writes it into Python: names for JSON follow from the others."""
-    for field in message.field:
+def without_json_names(fields, messages):
+    """Declarations as protoc writes them into Python: names for JSON follow from the others."""
+    for field in fields:
         field.ClearField("json_name")
-    for nested in message.nested_type:
-        without_json_names(nested)
+    for message in messages:
+        without_json_names([*message.field, *message.extension], message.nested_type)
 
 
 class Generated(unittest.TestCase):
@@ -50,8 +50,7 @@ class Generated(unittest.TestCase):
             importlib.import_module(f"collided.v1.{file.stem}_pb2").DESCRIPTOR.CopyToProto(has)
             pool.FindFileByName(str(file)).CopyToProto(wanted)
             for declaration in (has, wanted):
-                for message in declaration.message_type:
-                    without_json_names(message)
+                without_json_names(declaration.extension, declaration.message_type)
             self.assertEqual(has, wanted, f"{file} has changed: {ADVICE}")
         from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
         service = pool.FindServiceByName("collided.v1.CollisionService")
