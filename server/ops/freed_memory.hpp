@@ -35,7 +35,7 @@ class FreedMemory {
   }
 
   double most_used_ = process_heap_bytes();  ///< since the last trim
-  double left_ = unused_bytes();     ///< by the last trim, or less
+  double left_ = unused_bytes();             ///< by the last trim, or less
 };
 
 }  // namespace collided::server

@@ -37,8 +37,8 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   void serve();
   /// Ends the stream soon. Thread-safe.
   void stop();
-  /// Ends the connection soon, unless its opening has come, read or not. False if it has, or if the connection has ended
-  /// already. Thread-safe.
+  /// Ends the connection soon, unless its opening has come, read or not. False if it has, or if the connection has
+  /// ended already. Thread-safe.
   bool end_unopened(const std::exception_ptr& why);
   /// Bytes of answers that the client has not taken.
   uint64_t outgoing_bytes() const;

@@ -108,7 +108,7 @@ class Limits(unittest.TestCase):
     def test_of_address_space(self):
         pattern = r"^collided: RLIMIT_AS is \d+ MiB, but the daemon needs (\d+) MiB of address space to start"
         need = self.need(resource.RLIMIT_AS, MEBIBYTE, pattern)
-        mapped = pathlib.Path(DAEMON).stat().st_size // MEBIBYTE + 40  # with its libraries, before it can say anything
+        mapped = pathlib.Path(PROGRAM).stat().st_size // MEBIBYTE + 40  # with its libraries, before it can say anything
         values = sorted({mapped, 120, 180, *range(240, 341, 20), need - 10, need + 10})
         self.sweep(pattern, values, lambda value: Start(before=limit(resource.RLIMIT_AS, value * MEBIBYTE)))
 
