@@ -19,6 +19,8 @@ def arguments():
     parser.add_argument("--pictures", type=pathlib.Path, metavar="FOLDER", help="a PNG of each drawn frame")
     parser.add_argument("--animation", type=pathlib.Path, metavar="FILE", help="an animated GIF of them")
     parser.add_argument("--sheet", type=pathlib.Path, metavar="FILE", help="six of them as one PNG")
+    parser.add_argument("--contacts", action="store_true", help="mark all contacts of the cloth: with itself where it folds red, "
+                        "with the sphere orange, with the floor green (default: the red ones alone)")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="draw each Nth frame only (default: 1)")
     parser.add_argument("--size", type=int, nargs=2, default=(640, 480), metavar=("WIDTH", "HEIGHT"), help="pixels")
     return parser.parse_args()
@@ -40,7 +42,8 @@ def run(options):
             crossed += crossings.count(positions)
             folds = simulation.folds(steps[-1].near)
             if is_drawn and frame % options.every == 0:
-                pictures.append(painter.picture(positions, folds))
+                marked = simulation.touched(steps[-1].near) if options.contacts else {}
+                pictures.append(painter.picture(positions, {**marked, "cloth": folds}))
             if frame % 30 == 0 or frame == options.frames:
                 print(f"frame {frame}: {crossed} pairs met so far, {len(steps[-1].near)} contacts, {len(folds)} of "
                       f"folds, advanced {np.median(advanced):.3f} (least {min(advanced):.3f})", flush=True)

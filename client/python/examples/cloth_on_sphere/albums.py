@@ -16,7 +16,7 @@ def animate(pictures, file, milliseconds):
 def sheet(pictures):
     """Some of the pictures, from the first to the last, more of the beginning, where more happens."""
     tiles = min(TILES, len(pictures))
-    chosen = [pictures[(len(pictures) - 1) * i**2 // max(1, tiles - 1)**2] for i in range(tiles)]
+    chosen = [pictures[int((len(pictures) - 1) * (i / max(1, tiles - 1))**1.5)] for i in range(tiles)]
     width, height = chosen[0].size
     whole = Image.new("RGB", (width * min(COLUMNS, tiles), height * -(-tiles // COLUMNS)))
     for i, picture in enumerate(chosen):

@@ -1,10 +1,12 @@
-"""Draws a simulation: cloth, sphere and floor with light and shadow, and dots where the cloth touches itself."""
+"""Draws a simulation: cloth, sphere and floor with light and shadow, and dots where the cloth touches something."""
 
 import numpy as np
 from PIL import Image
 from raster import View, rasterize
 
-PAPER, DOT = np.array([0.96, 0.96, 0.97]), np.array([0.85, 0.05, 0.1])
+PAPER = np.array([0.96, 0.96, 0.97])
+DOTS = {"cloth": np.array([0.85, 0.05, 0.1]), "sphere": np.array([1, 0.55, 0]), "floor": np.array([0, 0.55, 0.35])}  # by what it touches
+FADED = 0.4  # so much of the paper's colour is in meshes, where all contacts are marked
 FRONT, BACK = np.array([0.22, 0.45, 0.75]), np.array([0.95, 0.70, 0.30])  # sides of the cloth
 SMOOTH = 2  # each pixel of a picture is the mean of so many, squared
 CHECKS = 10  # along each side of the cloth
@@ -25,12 +27,15 @@ class Painter:
         self.light = View((0.5, 0.9, -1.6), (0, 0, 0.3), 2.6, (700, 700))
 
     def picture(self, positions, marked):
-        """positions: of all meshes. marked: contacts."""
+        """positions: of all meshes. marked: contacts of the cloth, by the mesh that it touches; more than one mesh fades them all."""
         vertices = np.concatenate(list(positions.values())).astype(float)
         seen = rasterize(self.view, vertices, self.triangles)
         image = np.tile(PAPER, (self.view.size[0] * self.view.size[1], 1))
         image[seen.number] = self._lit(seen, vertices)
-        self._mark(image, seen, (marked.points[0] + marked.points[1]) / 2)
+        if len(marked) > 1:
+            image += FADED * (PAPER - image)
+        for mesh, contacts in marked.items():
+            self._mark(image, seen, (contacts.points[0] + contacts.points[1]) / 2, DOTS[mesh])
         columns, rows = self.size
         image = image.reshape(rows, SMOOTH, columns, SMOOTH, 3).mean(axis=(1, 3))
         return Image.fromarray((255 * np.clip(image, 0, 1)).round().astype("u1"))
@@ -68,7 +73,7 @@ class Painter:
             light += at[:, 2] < there + 0.015
         return light / len(offsets)
 
-    def _mark(self, image, seen, points):
+    def _mark(self, image, seen, points, colour):
         """A dot at each point that is not deeper than COVER below what is seen."""
         columns, rows = self.view.size
         depth = np.full(rows * columns, np.inf)
@@ -79,7 +84,7 @@ class Painter:
         middle = (row * columns + column)[shown]
         middle = middle[at[shown, 2] < depth[middle] + COVER]
         for i, j in ((i, j) for i in range(-2, 3) for j in range(-2, 3) if i * i + j * j < 6):
-            image[middle + i * columns + j] = DOT
+            image[middle + i * columns + j] = colour
 
 
 def _floor_colours(mesh):

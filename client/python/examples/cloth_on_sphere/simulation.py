@@ -95,6 +95,10 @@ class Simulation:
         rest = self.meshes["cloth"].vertices[own.local_stencils]
         return own[np.linalg.norm(rest[:, 0] - rest[:, 3], axis=1) > FOLD]
 
+    def touched(self, near):
+        """Those of the contacts in which the cloth touches another mesh, by its name."""
+        return {name: near.between("cloth", name) for name in ("sphere", "floor")}
+
     def close(self):
         """Ends the session."""
         self.session.close()
