@@ -98,6 +98,14 @@ def dcd_at(level, transport):
     return converse
 
 
+def crossings(transport):
+    """Triangles that cross, at two levels, and after a move that ends it."""
+    def converse(server):
+        frames = [({"tip": TIP - np.float32([0, 0, depth])}, {"accuracy": level}) for level in ("fast", "exact") for depth in (0, 1.5, 1.75, 0.5)]
+        stepped(server, transport, tip_meshes(), frames, mode="dcd", thickness=0.02, kinds=("vt", "ee", "tt"), fields=ALL)
+    return converse
+
+
 def stepping(transport):
     """Reports, advances, line searches, sparse updates, other levels and modes for a frame."""
     def converse(server):
@@ -273,6 +281,6 @@ def all_conversations(program):
         for level in LEVELS:
             found[f"ccd_{level}_{short}"] = ccd_at(level, transport, "<f4" if transport == "grpc" else "<f8")
             found[f"dcd_{level}_{short}"] = dcd_at(level, transport)
-        for make in (stepping, poses, edits):
+        for make in (crossings, stepping, poses, edits):
             found[f"{make.__name__}_{short}"] = make(transport)
     return found
