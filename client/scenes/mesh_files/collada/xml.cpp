@@ -5,6 +5,7 @@
 #include <expat.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <type_traits>
 
@@ -78,6 +79,15 @@ bool has_other_encoding(std::string_view text) {
   return name != "utf-8";
 }
 
+// Expat 2.9 deprecates the name that older releases know.
+uint64_t line_of(XML_Parser parser) {
+#if XML_MAJOR_VERSION > 2 || XML_MINOR_VERSION >= 9
+  return XML_GetCurrentLineNumber64(parser);
+#else
+  return XML_GetCurrentLineNumber(parser);
+#endif
+}
+
 }  // namespace
 
 const std::string* XmlElement::attribute(std::string_view wanted) const {
@@ -117,8 +127,7 @@ XmlTree parse_xml(std::string_view text, const std::string& file, size_t max_dep
   if (builder.is_out_of_memory || XML_GetErrorCode(parser.get()) == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
   if (builder.is_too_deep) fail(file, "elements are nested deeper than " + std::to_string(max_depth));
   if (status != XML_STATUS_OK)
-    fail(file + ":" + std::to_string(XML_GetCurrentLineNumber(parser.get())),
-         "is not well-formed XML, or is cut off");
+    fail(file + ":" + std::to_string(line_of(parser.get())), "is not well-formed XML, or is cut off");
   return std::move(builder.tree);
 }
 
