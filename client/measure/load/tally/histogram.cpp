@@ -20,7 +20,7 @@ using Axis = bh::axis::regular<double, bh::axis::transform::log>;
 Axis make_axis() {
   const double bins =
       std::ceil(std::log(Histogram::kMaxMs / Histogram::kMinMs) / std::log1p(Histogram::kRelativeError));
-  return {static_cast<unsigned>(bins), Histogram::kMinMs, Histogram::kMaxMs};
+  return Axis(static_cast<unsigned>(bins), Histogram::kMinMs, Histogram::kMaxMs);
 }
 
 auto make_bins() { return bh::make_histogram_with(std::vector<uint64_t>(), make_axis()); }
