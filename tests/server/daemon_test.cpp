@@ -112,7 +112,8 @@ void expect_fields(const std::vector<Json>& lines, const std::vector<std::string
                    const std::string& value) {
   for (const auto& message : messages) EXPECT_GT(count_of(lines, message), 0u) << message;
   for (const auto& line : lines) {
-    const bool is_one = std::find(messages.begin(), messages.end(), line["message"]) != messages.end();
+    const bool is_one =
+        std::find(messages.begin(), messages.end(), line["message"].get<std::string>()) != messages.end();
     if (!is_one) continue;
     EXPECT_EQ(line.value(field, ""), value) << line;
   }
