@@ -1,6 +1,7 @@
 #pragma once
 // Shared by every call of the C library: it turns exceptions into codes, and handles structures of any version.
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 #include <string>

@@ -13,7 +13,7 @@ _STATUS = re.compile(r"^(VmRSS|Threads):\s+(\d+)", re.MULTILINE)
 
 
 def held(daemon, names=HELD):
-    """Gauges of what clients hold there."""
+    """Gauges by their names; by default of what clients hold there."""
     metrics = dict(_METRIC.findall(daemon.http("/metrics")[1]))
     return {name: int(metrics[name]) for name in names}
 
