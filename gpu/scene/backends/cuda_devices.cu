@@ -109,4 +109,30 @@ void check_cuda_ordinal(int ordinal) {
                     (usable.size() == 1 ? " usable CUDA device (" : " usable CUDA devices (") + there + ")");
 }
 
+std::optional<int> current_cuda_device() {
+  int ordinal = 0;
+  if (cudaGetDevice(&ordinal) == cudaSuccess) return ordinal;
+  cudaGetLastError();
+  return std::nullopt;
+}
+
+// Setting a device makes its context, which takes memory there: only where it is another one.
+void set_current_cuda_device(int ordinal) {
+  if (current_cuda_device() != ordinal) cudaSetDevice(ordinal);
+}
+
+void check_cuda_memory(int ordinal, std::span<const std::byte> memory, const std::string& field) {
+  for (const std::byte* at : {memory.data(), memory.data() + memory.size() - 1}) {
+    cudaPointerAttributes attributes{};
+    const cudaError_t error = cudaPointerGetAttributes(&attributes, at);
+    if (error != cudaSuccess) cudaGetLastError();
+    const bool is_device = error == cudaSuccess && attributes.type == cudaMemoryTypeDevice;
+    const bool is_managed = error == cudaSuccess && attributes.type == cudaMemoryTypeManaged;
+    if (is_managed || (is_device && attributes.device == ordinal)) continue;
+    const std::string where = is_device ? to_string(cuda_device(attributes.device)) : "the host";
+    throw InvalidInput(field, field + " must lie in memory of " + to_string(cuda_device(ordinal)) + ", but its byte " +
+                                  std::to_string(at - memory.data()) + " is in that of " + where);
+  }
+}
+
 }  // namespace collided
