@@ -39,18 +39,21 @@ def environment(cache, is_ptx):
 
 @contextlib.contextmanager
 def started(daemon, env):
-    """A daemon that is ready: its address, the seconds that took, and its log."""
+    """A daemon that is ready: its address, the seconds that took, those until it announced a compilation, and its log."""
     with tempfile.TemporaryDirectory() as folder:
         ready, log, socket = (pathlib.Path(folder, name) for name in ("ready", "log", "socket"))
         begin = time.monotonic()
         with log.open("wb") as out, subprocess.Popen([daemon, "--backend", "cuda", "--address", f"unix:{socket}", "--ready-file", ready],
                                                      stdout=out, stderr=out, env=env) as process:
             try:
+                said = None
                 while not ready.exists():
+                    if said is None and ANNOUNCED in log.read_text():
+                        said = time.monotonic() - begin
                     if process.poll() is not None or time.monotonic() - begin > PATIENCE:
                         sys.exit(f"ptx_bench.py: the daemon is not ready: {log.read_text()}")
                     time.sleep(0.01)
-                yield f"unix:{socket}", time.monotonic() - begin, log.read_text()
+                yield f"unix:{socket}", time.monotonic() - begin, said, log.read_text()
             finally:
                 process.terminate()
 
@@ -68,11 +71,11 @@ def digest(collidectl, address, words):
 
 
 def measure(arguments, env):
-    with started(arguments.daemon, env) as (address, seconds, log):
+    with started(arguments.daemon, env) as (address, seconds, said, log):
         _, first = digest(arguments.collidectl, address, ["--scene", "funnel", "--scale", "0.2", "--frames", "1"])
         digests = {name: digest(arguments.collidectl, address, [*words, "--frames", "20", "--dt", "0.05"])[0] for name, words in SCENES.items()}
     announced = [line for line in log.splitlines() if ANNOUNCED in line]
-    return {"ready_seconds": round(seconds, 2), "first_scene_seconds": round(first, 2), "announced": announced, "digests": digests}
+    return {"ready_seconds": round(seconds, 2), "announced_seconds": said and round(said, 2), "first_scene_seconds": round(first, 2), "announced": announced, "digests": digests}
 
 
 def own_daemon(arguments, env):
@@ -112,7 +115,9 @@ def main():
         put(report, arguments, "collidectl, ptx, empty cache", own_daemon(arguments, environment(other, True)))
     ways = [report[way] for way in ("code", "ptx, empty cache", "ptx, cached")]
     report["same_contacts"] = all(way["digests"] == ways[0]["digests"] for way in ways)
-    report["was_announced"] = not ways[0]["announced"] and all(way["announced"] for way in ways[1:])
+    # A line that comes when the kernels are there is no announcement.
+    early = [way["announced_seconds"] for way in ways if way["announced_seconds"] is not None]
+    report["was_announced"] = not ways[0]["announced"] and len(early) == 2 and max(early) < 5
     write(report, arguments)
     return 0 if report["same_contacts"] and report["was_announced"] and report["collidectl, ptx, empty cache"]["exit_code"] == 0 else 1
 
