@@ -29,7 +29,7 @@ END_OF_CONDITION = re.compile(r"^\s*#\s*endif")
 SYSTEM_COST, LIBRARY_COST, PRECOMPILING, WRITING = 20_000, 500_000, 3, 300_000
 SYSTEM = re.compile(r"^(sys/.*|[a-z_0-9]+(\.h)?)$")
 MAX_FILES = 20  # in a folder
-NO_SOURCE = {"results", "data", "recordings", "node_modules", "dist", "__pycache__"}
+NO_SOURCE = {"results", "data", "changes", "recordings", "node_modules", "dist", "__pycache__"}
 MESSAGES = re.compile(r"\.pb\.h$")
 
 
