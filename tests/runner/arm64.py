@@ -12,6 +12,7 @@ import argparse
 import collections
 import datetime
 import json
+import os
 import pathlib
 import re
 import subprocess
@@ -73,7 +74,7 @@ def by_program(root, build, arguments):
 
 def install(root):
     """Installs the wheel with what it needs, without an index; returns its name."""
-    root.said("sh", "-c", "python3 -m pip install --quiet --force-reinstall --no-index --no-compile --break-system-packages --root-user-action=ignore --find-links "
+    root.said("sh", "-c", "python3 -m pip install --quiet --force-reinstall --no-index --no-compile --no-warn-script-location --break-system-packages --root-user-action=ignore --find-links "
               "/root/wheels /root/wheels/collided-*.whl")
     (wheel,) = pathlib.Path(f"{root.folder}/root/wheels").glob("collided-*.whl")
     return wheel.name
@@ -91,11 +92,11 @@ def example(root, server):
     return done.stdout == page.blocks("text")[0]
 
 
-def python_test(root, daemon, name, **environment):
+def python_test(root, daemon, name):
     """A test of the package, which has the daemon and the library of the wheel."""
     tests, library = f"{root.source}/tests/client/python", str(pathlib.Path(daemon).parents[1] / "lib" / "libcollided.so.1")
     done = root.run("python3", f"{tests}/{name}_test.py", daemon, f"{pathlib.Path(daemon).parent}/collidectl", root.source,
-                    PYTHONPATH=tests, PYTHONDONTWRITEBYTECODE="1", COLLIDED_LIBRARY=library, **environment)
+                    PYTHONPATH=tests, PYTHONDONTWRITEBYTECODE="1", COLLIDED_LIBRARY=library)
     if done.returncode == 77:
         return {"passed": 0, "failed": [], "skipped": {name: done.stdout.strip()}}
     failed, skipped, test = re.findall(r"^(?:FAIL|ERROR): (.+)", done.stderr, re.MULTILINE), {}, name
@@ -112,20 +113,38 @@ def python_test(root, daemon, name, **environment):
     return {"passed": max(0, (int(ran[1]) if ran else 0) - len(failed) - len(skipped)), "failed": failed, "skipped": skipped}
 
 
-def compared(root, daemon):
-    """What is found on arm64 beside what this machine's own daemon finds, of the same positions, byte for byte: by the engine in
-    Python's process, in the cases of its own test; and by the daemon, as digests of all contacts."""
+def local_digests(root):
+    """Of what the engine in Python's process finds: of this machine's own build, and on arm64."""
+    script, library = "tests/bench/builds/local_digests.py", OWN / "client/c/libcollided.so.1"
+    if not library.exists():
+        return {"skipped": f"{library.relative_to(REPOSITORY)} is not built"}
+    here = {**os.environ, "COLLIDED_LIBRARY": str(library), "PYTHONPATH": str(REPOSITORY / "client/python"), "PYTHONDONTWRITEBYTECODE": "1"}
+    own = subprocess.run(["/usr/bin/python3", REPOSITORY / script], env=here, text=True, capture_output=True, check=True).stdout
+    return beside(json.loads(own), json.loads(root.said("python3", f"{root.source}/{script}")))
+
+
+def daemon_digests(root, daemon):
+    """Of what both daemons find of the same positions, those of this machine's collidectl."""
     collidectl, own = OWN / "client/cli/collidectl", OWN / "server/collided"
-    if not collidectl.exists() or not own.exists():
-        return {"skipped": "build/cpu-release is not built"}
-    folder = f"{root.folder}/tmp"
-    with started([own], folder=folder) as (address, _, _):
-        found = {"version": subprocess.run([own, "--version"], text=True, capture_output=True, check=True).stdout.splitlines(),
-                 "in the process": python_test(root, daemon, "in_process/local", COLLIDED_SERVER=address.replace(root.folder, "")),
-                 "x86-64": digests(collidectl, address, scale=0.5)}
-    with started(root.command(daemon), folder=folder, known_as="/tmp") as (address, _, _):
-        found["arm64"] = digests(collidectl, address, scale=0.5)
-    return {**found, "same_contacts": found["x86-64"] == found["arm64"] and not found["in the process"]["failed"]}
+    for program in (collidectl, own):
+        if not program.exists():
+            return {"skipped": f"{program.relative_to(REPOSITORY)} is not built"}
+    results = []
+    for command, known_as in (([own], None), (root.command(daemon), "/tmp")):
+        with started(command, folder=f"{root.folder}/tmp", known_as=known_as) as (address, _, _):
+            results.append(digests(collidectl, address, scale=0.5))
+    return beside(*results)
+
+
+def own_version():
+    daemon = OWN / "server/collided"
+    if not daemon.exists():
+        return "build/cpu-release is not built"
+    return subprocess.run([daemon, "--version"], text=True, capture_output=True, check=True).stdout.splitlines()
+
+
+def beside(own, found):
+    return {"same": own == found, "x86-64": own, "arm64": found}
 
 
 def main():
@@ -143,14 +162,15 @@ def main():
     daemon = arm64.said("python3", "-c", "from collided import programs; print(programs.bundled('collided'))").strip()
     report["version"] = arm64.said(daemon, "--version").splitlines()
     report["example"] = {"with a daemon": example(arm64, None), "in the process": example(arm64, "local")}
-    report["digests"] = compared(arm64, daemon)
+    report["x86-64"] = own_version()
+    report["digests"] = {"in the process": local_digests(arm64), "daemon": daemon_digests(arm64, daemon)}
     report["python"] = {name: python_test(arm64, daemon, name) for name in PYTHON_TESTS}
     report["programs"] = by_program(cross, f"{options.source}/build/{options.preset}", ctest or CORE)
     print(json.dumps(report, indent=1))
     if options.out:
         pathlib.Path(options.out).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
     results = [*report["python"].values(), *report["programs"].values()]
-    good = all(report["example"].values()) and report["digests"].get("same_contacts", True) and not any(r["failed"] for r in results)
+    good = all(report["example"].values()) and all(d.get("same", True) for d in report["digests"].values()) and not any(r["failed"] for r in results)
     print("== OK" if good else "== FAILED")
     return 0 if good else 1
 
