@@ -111,6 +111,17 @@ std::unique_ptr<SharedMemory> register_host_memory(const Device& device, std::sp
   return std::make_unique<HostMemoryOfOthers>(memory);
 }
 
+KeptCudaDevice::KeptCudaDevice(const Device& device) {
+  if (device.backend == Backend::kCuda) ordinal_ = current_cuda_device();
+}
+KeptCudaDevice::~KeptCudaDevice() {
+  if (ordinal_) set_current_cuda_device(*ordinal_);
+}
+
+void check_device_memory(const Device& device, std::span<const std::byte> memory, const std::string& field) {
+  if (device.backend == Backend::kCuda && !memory.empty()) check_cuda_memory(device.ordinal, memory, field);
+}
+
 std::unique_ptr<SharedMemory> open_device_memory(const Device& device, std::span<const std::byte> handle) {
   if (device.backend == Backend::kCpu)
     throw InvalidInput("handle", "handle is of device memory, but the scene lives on " + to_string(device));

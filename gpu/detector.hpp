@@ -96,6 +96,23 @@ bool device_works(const Device& device);
 /// DeviceError.
 std::unique_ptr<SharedMemory> register_host_memory(const Device& device, std::span<std::byte> memory);
 
+/// Puts the calling thread's current CUDA device back when it ends, where what is done with `device` may change it;
+/// does nothing for the CPU.
+class KeptCudaDevice {
+ public:
+  explicit KeptCudaDevice(const Device& device);
+  ~KeptCudaDevice();
+  KeptCudaDevice(const KeptCudaDevice&) = delete;
+  KeptCudaDevice& operator=(const KeptCudaDevice&) = delete;
+
+ private:
+  std::optional<int> ordinal_;
+};
+
+/// Throws InvalidInput, naming `field`, unless the bytes lie in memory of this CUDA device. The driver is asked about the
+/// first and the last byte. For the CPU nothing is checked.
+void check_device_memory(const Device& device, std::span<const std::byte> memory, const std::string& field);
+
 /// Opens memory that another process has on this device, or on one that it reaches directly, by its cudaIpcMemHandle_t
 /// (64 bytes). bytes() are those of the device, and not for the host to read. Throws InvalidInput for a bad handle, one
 /// of memory that the device does not reach, or where there is no CUDA, DeviceError.

@@ -300,6 +300,10 @@ struct FrameInput {
   uint64_t bytes_beside_contact = 0;
   /// Where the contacts stay; those that do not fit come to the host.
   ContactRoom room = {};
+  /// A stream (cudaStream_t) of the scene's CUDA device. The frame begins after the work that the stream holds now,
+  /// which may write the updates' positions or read `room`; the calling thread need not wait for it. Null: no such work
+  /// is left. It is refused with `slot`, in a scene in parts and on CPU cores.
+  void* stream = nullptr;
 };
 
 /// Vertices of a scene: `first` (scene-wide), first + stride, and so on, `count` of them.

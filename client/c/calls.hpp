@@ -71,7 +71,7 @@ inline constexpr size_t kFirstSize<collided_topology> = 72;
 template <>
 inline constexpr size_t kFirstSize<collided_update> = 80;
 template <>
-inline constexpr size_t kFirstSize<collided_frame> = 80;
+inline constexpr size_t kFirstSize<collided_frame> = 104;
 template <>
 inline constexpr size_t kFirstSize<collided_contacts> = 72;
 template <>

@@ -16,10 +16,14 @@ struct collided_scene {
   std::unique_ptr<Detector> detector;
   std::atomic_flag is_busy = {};
   bool has_frame = false;
+
+  Device device() const { return device_of(detector->spec()); }
 };
 
 struct collided_result {
+  Device device;
   FrameResult frame;
+  std::byte* room;
   FieldSet fields;
   PerKind<std::vector<ContactVertices>> stencils;
 };
@@ -29,7 +33,7 @@ namespace {
 /// The only call that uses a scene, while it lives.
 class SceneUse {
  public:
-  explicit SceneUse(collided_scene* scene) : scene_(*c::required(scene, "scene")) {
+  explicit SceneUse(collided_scene* scene) : scene_(*c::required(scene, "scene")), kept_(scene_.device()) {
     if (scene_.is_busy.test_and_set(std::memory_order_acquire))
       throw c::FailedPrecondition("scene is used by another call, which has not returned yet; one at a time");
   }
@@ -41,6 +45,7 @@ class SceneUse {
 
  private:
   collided_scene& scene_;
+  const KeptCudaDevice kept_;
 };
 
 template <size_t N>
@@ -69,8 +74,15 @@ std::vector<ContactVertices> make_stencils(ContactKind kind, const ContactSet& s
 
 std::unique_ptr<collided_result> detect(const SceneUse& scene, FrameInput frame) {
   if (scene->stencils) frame.bytes_beside_contact = sizeof(ContactVertices);
+  if (!frame.room.memory.empty()) {
+    check_device_memory(scene->device(), frame.room.memory, "room");
+    frame.room.fields = scene->fields;
+    frame.room.stencils = scene->stencils;
+  }
   auto result = std::make_unique<collided_result>();
+  result->device = scene->device();
   result->fields = scene->fields;
+  result->room = frame.room.memory.data();
   result->frame = scene->detector->detect(frame);
   if (!frame.trial) scene->has_frame = true;
   if (!scene->stencils) return result;
@@ -102,6 +114,34 @@ collided_contacts contacts_of(const collided_result& result, ContactKind kind) {
   contacts.normals = column_of<float>(result, ContactField::kNormals, set.normals);
   contacts.flags = column_of<uint8_t>(result, ContactField::kFlags, set.flags);
   return contacts;
+}
+
+/// The first number of a column in the room, or null if it has none there.
+template <class Number>
+const Number* array_of(const collided_result& result, const ArrayRange& range) {
+  return range.bytes == 0 ? nullptr : reinterpret_cast<const Number*>(result.room + range.offset);
+}
+
+collided_contacts contacts_in_room_of(const collided_result& result, ContactKind kind) {
+  const PlacedContacts& placed = value_of(result.frame.placed, kind);
+  collided_contacts contacts{};
+  contacts.count = placed.count;
+  contacts.elements = array_of<uint32_t>(result, placed.elements);
+  contacts.stencils = array_of<uint32_t>(result, placed.stencils);
+  contacts.toi = array_of<double>(result, placed.toi);
+  contacts.distance = array_of<double>(result, placed.distance);
+  contacts.weights = array_of<double>(result, placed.weights);
+  contacts.normals = array_of<float>(result, placed.normals);
+  contacts.flags = array_of<uint8_t>(result, placed.flags);
+  return contacts;
+}
+
+/// The kind that a caller names by its enumerator. Throws InvalidInput.
+ContactKind parse_kind(int32_t kind) {
+  if (kind < 1 || kind > static_cast<int32_t>(kContactKinds))
+    throw InvalidInput("kind",
+                       "kind is " + std::to_string(kind) + "; it must be from 1 to " + std::to_string(kContactKinds));
+  return static_cast<ContactKind>(kind - 1);
 }
 
 void fill_counts(const FrameCounts& counts, collided_facts& facts) {
@@ -171,12 +211,17 @@ collided_status collided_scene_create(const collided_scene_spec* spec, collided_
     output(to, "scene");
     c::Spec parsed = c::parse_spec(spec);
     auto scene = std::make_unique<collided_scene>(parsed.fields, parsed.stencils);
+    const KeptCudaDevice kept(parsed.engine.device);
     scene->detector = Detector::create(std::move(parsed.engine));
     *to = scene.release();
   });
 }
 
-void collided_scene_free(collided_scene* scene) { delete scene; }
+void collided_scene_free(collided_scene* scene) {
+  if (scene == nullptr) return;
+  const KeptCudaDevice kept(scene->device());
+  delete scene;
+}
 
 collided_status collided_scene_topology(collided_scene* scene, collided_topology* to) {
   return c::guarded([&] {
@@ -232,15 +277,24 @@ collided_status collided_detect(collided_scene* scene, const collided_frame* fra
   });
 }
 
-void collided_result_free(collided_result* result) { delete result; }
+void collided_result_free(collided_result* result) {
+  if (result == nullptr) return;
+  const KeptCudaDevice kept(result->device);
+  delete result;
+}
 
 collided_status collided_result_contacts(const collided_result* result, int32_t kind, collided_contacts* contacts) {
   return c::guarded([&] {
     c::required(result, "result");
-    if (kind < 1 || kind > static_cast<int32_t>(kContactKinds))
-      throw InvalidInput("kind",
-                         "kind is " + std::to_string(kind) + "; it must be from 1 to " + std::to_string(kContactKinds));
-    c::write_structure(contacts, contacts_of(*result, static_cast<ContactKind>(kind - 1)), "contacts");
+    c::write_structure(contacts, contacts_of(*result, parse_kind(kind)), "contacts");
+  });
+}
+
+collided_status collided_result_contacts_in_room(const collided_result* result, int32_t kind,
+                                                 collided_contacts* contacts) {
+  return c::guarded([&] {
+    c::required(result, "result");
+    c::write_structure(contacts, contacts_in_room_of(*result, parse_kind(kind)), "contacts");
   });
 }
 

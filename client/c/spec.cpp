@@ -198,6 +198,9 @@ FrameInput parse_frame(const collided_frame* pointer) {
   frame.trial = from.trial != 0;
   frame.delta = optional_of(from.delta);
   frame.start_fraction = optional_of(from.start_fraction);
+  frame.stream = from.stream;
+  const std::span<const std::byte> room = bytes_of(from.room, from.room_bytes, "room");
+  frame.room.memory = {static_cast<std::byte*>(from.room), room.size()};
   if (from.cancelled != nullptr)
     frame.cancelled = [ask = from.cancelled, context = from.cancelled_context] { return ask(context) != 0; };
   return frame;

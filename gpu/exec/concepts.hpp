@@ -246,10 +246,13 @@ using Source = std::span<const std::byte>;
 /// Room for positions on their way to a backend; may outlive its Exec. Used by one thread at a time, which need not be
 /// the scene's.
 template <class S>
-concept StagingRoom = requires(S& staging, uint64_t n, const std::vector<Source>& sources,
+concept StagingRoom = requires(S& staging, uint64_t n, const std::vector<Source>& sources, void* stream,
                                const std::vector<uint64_t>& table, const uint64_t* place, const probe::Check& check) {
   /// Memory of the host to fill, of at least so many bytes; what was there before is lost.
   { staging.room(n) } -> std::same_as<std::span<std::byte>>;
+  /// Makes the next bring() read its sources only after the work that this stream of the backend holds now; null: at
+  /// once.
+  { staging.follow(stream) } -> std::same_as<void>;
   /// Where the sources' bytes lie on the backend until the next call, each aligned to n bytes; null for those without
   /// any. They are read once; those in room() may be used where they are.
   { staging.bring(sources, n) } -> std::same_as<std::vector<const std::byte*>>;

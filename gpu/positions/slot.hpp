@@ -38,6 +38,12 @@ class SceneSlot final : public FrameSlot {
     return staging_.room(bytes);
   }
 
+  /// `stream`: as FrameInput has it.
+  void send_after(void* stream, const std::vector<MeshPositions>& updates) {
+    staging_.follow(stream);
+    send(updates);
+  }
+
   void send(const std::vector<MeshPositions>& updates) override {
     is_sent_ = false;
     check_updates(shape_->spec, updates);

@@ -168,6 +168,15 @@ void check_room(const ContactRoom& room) {
                                    " above a multiple of " + text(ContactRoom::kAlignment));
 }
 
+void check_stream(const SceneSpec& spec, const FrameInput& frame) {
+  const auto refuse = [](const char* reason) {
+    throw InvalidInput("stream", std::string("stream is given, but ") + reason);
+  };
+  if (device_of(spec).backend != Backend::kCuda) refuse("the scene is on CPU cores, which have none");
+  if (!spec.part_devices.empty()) refuse("a scene in parts is on several devices");
+  if (frame.slot != nullptr) refuse("a slot has brought the positions already");
+}
+
 }  // namespace
 
 void check_frame(const SceneSpec& spec, const FrameInput& frame) {
@@ -182,6 +191,7 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   check_room(frame.room);
   if (!spec.part_devices.empty() && !frame.room.memory.empty())
     throw InvalidInput("room", "room is given, but the contacts of a scene in parts come to the host");
+  if (frame.stream != nullptr) check_stream(spec, frame);
   if (spec.worlds > 0) check_frame_of_worlds(frame, settings);
 }
 

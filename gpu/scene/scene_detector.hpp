@@ -312,7 +312,7 @@ class SceneDetector final : public Detector {
   Slot& sent_slot(const FrameInput& frame) {
     if (frame.slot == nullptr) {
       if (own_slot_ == nullptr) own_slot_ = new_slot();
-      own_slot_->send(frame.updates);
+      own_slot_->send_after(frame.stream, frame.updates);
       return *own_slot_;
     }
     if (!frame.updates.empty())

@@ -90,6 +90,12 @@ class Release(unittest.TestCase):
         self.commit()
         self.refused(f'CHANGELOG.md begins with "## {VERSION}1"')
 
+    def test_changes_must_be_assembled(self):
+        (self.copy / "deploy/changes").mkdir()
+        (self.copy / "deploy/changes/faster-a.md").write_text("Faster.\n")
+        self.commit()
+        self.refused(f"deploy/changes has entries that CHANGELOG.md lacks: deploy/changes/assemble {VERSION}")
+
     def test_the_tree_must_be_clean(self):
         (self.copy / "left").write_text("over")
         self.refused("not committed")

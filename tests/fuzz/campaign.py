@@ -27,7 +27,7 @@ def arguments():
     parser.add_argument("--binaries", type=pathlib.Path, required=True, help="folder of the fuzzers, fuzz_TARGET")
     parser.add_argument("--out", type=pathlib.Path, required=True,
                         help="folder for corpus/, findings/, logs/ and result.json; one that has them is gone on with, and figures are added up")
-    parser.add_argument("--seeds", type=pathlib.Path, default=here / "corpus")
+    parser.add_argument("--seeds", type=pathlib.Path, required=True, help="folder of the seeds, in a folder for each target")
     parser.add_argument("--dictionaries", type=pathlib.Path, default=here / "dictionaries")
     parser.add_argument("--suppressions", type=pathlib.Path, default=here.parent / "lsan.supp")
     parser.add_argument("--workers", type=int, default=1, help="processes of each target (1)")

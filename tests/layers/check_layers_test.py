@@ -165,10 +165,15 @@ class CheckLayers(unittest.TestCase):
         for i in range(check_layers.MAX_FILES):
             self.write(f"tests/many/test_{i}.cpp", "")
             self.write(f"tests/many/results/figure_{i}.json", "")
+            self.write(f"client/go/v1/message_{i}.pb.go", "")
         self.write("tests/many/results/figure.json", "")
+        self.write("client/go/v1/README.md", "")
+        self.write(".gitattributes", "# Generated:\n/client/go/v1/*.pb.go linguist-generated\n")
         self.assertEqual(check_layers.crowded_folders(self.root)[0], [])
         self.write("tests/many/README.md", "")
         self.assertEqual(check_layers.crowded_folders(self.root)[0], ["tests/many: 21 files, the limit is 20"])
+        self.write(".gitattributes", "")
+        self.assertEqual(len(check_layers.crowded_folders(self.root)[0]), 2)
 
     def test_a_header_that_needs_another_is_found(self):
         self.write("gpu/exec/cpu.hpp", "#include <cstddef>\n")

@@ -17,9 +17,8 @@ import pathlib
 import re
 import subprocess
 import sys
-import xml.etree.ElementTree as xml
 
-from summary import outcome_of, reason_of
+from summary import results
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path += [str(REPOSITORY / "tests" / folder) for folder in ("bench/builds", "docs")]
@@ -56,27 +55,27 @@ def by_program(root, build, arguments):
     report = f"{build}/test-report.xml"
     command = ["ctest", "--test-dir", build, *arguments]
     listed = json.loads(root.said(*command, "--show-only=json-v1"))
-    programs = {test["name"]: next((pathlib.Path(word).name for word in test.get("command", []) if "python" not in word), "not built")
-                for test in listed["tests"]}
-    subprocess.run(root.command(*command, "--output-on-failure", "--no-tests=error", "--output-junit", report, "--parallel", "2"), check=False)
-    results = collections.defaultdict(lambda: {"passed": 0, "failed": [], "skipped": {}})
-    for case in xml.parse(f"{root.folder}{report}").getroot().findall("testcase"):
-        name, outcome = case.get("name"), outcome_of(case)
-        result = results[programs[name]]
+    programs = {test["name"].split("  # ")[0]: next((pathlib.Path(word).name for word in test["command"] if "python" not in word), "")
+                for test in listed["tests"] if "command" in test}
+    subprocess.run(root.command(*command, "--output-on-failure", "--no-tests=error", "--output-junit", report, "--parallel",
+                                str(os.cpu_count())), check=False)
+    found = collections.defaultdict(lambda: {"passed": 0, "failed": [], "skipped": {}})
+    for name, outcome in results(f"{root.folder}{report}"):
+        program = found[programs.get(name, "not built")]
         if outcome == "passed":
-            result["passed"] += 1
+            program["passed"] += 1
         elif outcome == "failed":
-            result["failed"].append(name)
+            program["failed"].append(name)
         else:
-            result["skipped"][name] = reason_of(case)
-    return results
+            program["skipped"][name] = outcome.removeprefix("skipped: ")
+    return found
 
 
 def install(root):
     """Installs the wheel with what it needs, without an index; returns its name."""
-    root.said("sh", "-c", "python3 -m pip install --quiet --force-reinstall --no-index --no-compile --no-warn-script-location --break-system-packages --root-user-action=ignore --find-links "
-              "/root/wheels /root/wheels/collided-*.whl")
     (wheel,) = pathlib.Path(f"{root.folder}/root/wheels").glob("collided-*.whl")
+    root.said("python3", "-m", "pip", "install", "--quiet", "--force-reinstall", "--no-index", "--no-compile", "--no-warn-script-location",
+              "--break-system-packages", "--root-user-action=ignore", "--find-links", "/root/wheels", f"/root/wheels/{wheel.name}")
     return wheel.name
 
 
@@ -118,7 +117,8 @@ def local_digests(root):
     script, library = "tests/bench/builds/local_digests.py", OWN / "client/c/libcollided.so.1"
     if not library.exists():
         return {"skipped": f"{library.relative_to(REPOSITORY)} is not built"}
-    here = {**os.environ, "COLLIDED_LIBRARY": str(library), "PYTHONPATH": str(REPOSITORY / "client/python"), "PYTHONDONTWRITEBYTECODE": "1"}
+    here = {**os.environ, "COLLIDED_LIBRARY": str(library), "PYTHONPATH": str(REPOSITORY / "client/python"),
+            "PYTHONDONTWRITEBYTECODE": "1"}
     own = subprocess.run(["/usr/bin/python3", REPOSITORY / script], env=here, text=True, capture_output=True, check=True).stdout
     return beside(json.loads(own), json.loads(root.said("python3", f"{root.source}/{script}")))
 
@@ -129,11 +129,11 @@ def daemon_digests(root, daemon):
     for program in (collidectl, own):
         if not program.exists():
             return {"skipped": f"{program.relative_to(REPOSITORY)} is not built"}
-    results = []
+    found = []
     for command, known_as in (([own], None), (root.command(daemon), "/tmp")):
-        with started(command, folder=f"{root.folder}/tmp", known_as=known_as) as (address, _, _):
-            results.append(digests(collidectl, address, scale=0.5))
-    return beside(*results)
+        with started(command, folder=f"{root.folder}/tmp", known_as=known_as) as (address, *_):
+            found.append(digests(collidectl, address, scale=0.5))
+    return beside(*found)
 
 
 def own_version():
@@ -148,16 +148,19 @@ def beside(own, found):
 
 
 def main():
-    words, environment = sys.argv[1:sys.argv.index("--")], sys.argv[sys.argv.index("--") + 1:]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
                                      allow_abbrev=False)
     for name in ("cross", "arm64", "source", "preset"):
         parser.add_argument(name)
     parser.add_argument("--out")
-    options, ctest = parser.parse_known_args(words)
+    split = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    environment = sys.argv[split + 1:]
+    options, ctest = parser.parse_known_args(sys.argv[1:split])
     cross, arm64 = Root(options.cross, options.source, environment), Root(options.arm64, options.source, environment)
-    commit = subprocess.run(["git", "rev-parse", "--short=8", "HEAD"], text=True, capture_output=True, check=True, cwd=REPOSITORY).stdout.strip()
-    report = {"date": datetime.date.today().isoformat(), "commit": commit, "device": cross.said("qemu-aarch64", "--version").splitlines()[0],
+    commit = subprocess.run(["git", "describe", "--always", "--dirty= (modified)", "--exclude=*"], text=True, capture_output=True,
+                            check=True, cwd=REPOSITORY).stdout.strip()
+    report = {"date": datetime.date.today().isoformat(), "commit": commit,
+              "device": cross.said("qemu-aarch64", "--version").splitlines()[0],
               "compiler": cross.said("aarch64-linux-gnu-g++", "--version").splitlines()[0], "wheel": install(arm64)}
     daemon = arm64.said("python3", "-c", "from collided import programs; print(programs.bundled('collided'))").strip()
     report["version"] = arm64.said(daemon, "--version").splitlines()
@@ -169,8 +172,9 @@ def main():
     print(json.dumps(report, indent=1))
     if options.out:
         pathlib.Path(options.out).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
-    results = [*report["python"].values(), *report["programs"].values()]
-    good = all(report["example"].values()) and all(d.get("same", True) for d in report["digests"].values()) and not any(r["failed"] for r in results)
+    tests = [*report["python"].values(), *report["programs"].values()]
+    good = all(report["example"].values())
+    good = good and all(d.get("same", True) for d in report["digests"].values()) and not any(test["failed"] for test in tests)
     print("== OK" if good else "== FAILED")
     return 0 if good else 1
 

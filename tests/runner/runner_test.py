@@ -12,10 +12,8 @@ import sys
 import tempfile
 import unittest
 
-import names
-import progress
+import run
 import summary
-import young_clock
 
 CTEST = pathlib.Path(sys.argv[1])
 HERE = pathlib.Path(__file__).parent
@@ -97,12 +95,12 @@ class Runner(unittest.TestCase):
 
     def test_what_knows_a_clock_runs_once_more_on_a_young_one(self):
         _, printed = self.run_on(CLOCK)
-        if reason := young_clock.obstacle():
+        if reason := run.young_clock()[1]:
             self.assertIn(f"   skipped: the tests that know a clock, on one of 5 s: {reason}\n", printed)
             return
         self.assertIn("== 6 passed, 0 failed, 0 skipped", printed)
         young = (self.build / "test-report-young.xml").read_text()
-        self.assertLess(float(young.split("<system-out>")[1].split("<")[0]), young_clock.AGE + 60)
+        self.assertLess(float(young.split("<system-out>")[1].split("<")[0]), run.AGE + 60)
         self.assertEqual([name in young for name in ('"daemon"', '"other"', '"no_clock"')], [True, False, False])
 
 
@@ -114,47 +112,42 @@ class Terminal(io.StringIO):
 class Parts(unittest.TestCase):
     def test_on_a_terminal_one_line_moves(self):
         out = Terminal()
-        shown = progress.Progress(out, width=60)
+        shown = run.Progress(out, width=60)
         for i in range(1, 101):
             shown.line(f"{i}/100 Test #{i}: a.test_with_a_rather_long_name_{i} .....   Passed    0.01 sec")
-        shown.end()
+        shown.show("")
         self.assertNotIn("\n", out.getvalue())
         moves = out.getvalue().split("\r\033[K")
         self.assertLessEqual(max(map(len, moves)), 60)
         self.assertIn("100 % (100 of 100), 0 failed, 0 skipped", moves[-2])
 
-    def test_a_skip_without_a_reason_says_so(self):
-        with tempfile.TemporaryDirectory() as folder:
-            report = pathlib.Path(folder) / "report.xml"
-            report.write_text('<testsuite><testcase name="a" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/>'
-                              "<system-out/></testcase></testsuite>")
-            told = summary.Summary()
-            told.add(report)
-        self.assertEqual(list(told.lines()), ["   1 skipped: it gave no reason (a)"])
-
-    def test_a_reason_names_every_group_in_lines_that_fit_a_screen(self):
-        value = "  # GetParam() = (" + 30 * "4-byte object &lt;00-00 00-00&gt;, " + ")"
-        cases = [f"All/Suite{suite}WithALongName.Test/case{i}{value}" for suite in range(20) for i in range(suite + 1)]
+    def told(self, cases):
+        """The lines for a report of tests that were skipped: (name, output)."""
         with tempfile.TemporaryDirectory() as folder:
             report = pathlib.Path(folder) / "report.xml"
             report.write_text("<testsuite>" + "".join(
                 f'<testcase name="{name}" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/>'
-                f"<system-out>skipped: {reason}</system-out></testcase>"
-                for name, reason in [*((case, "no GPU") for case in cases), (cases[0], "x" * 300)]) + "</testsuite>")
-            told = summary.Summary()
-            told.add(report)
-        lines = list(told.lines())
+                f"<system-out>{output}</system-out></testcase>" for name, output in cases) + "</testsuite>")
+            return list(summary.lines(summary.results(report)))
+
+    def test_a_skip_without_a_reason_says_so(self):
+        self.assertEqual(self.told([("a", "")])[0], "   1 skipped: it gave no reason (a)")
+
+    def test_a_reason_names_every_group_in_lines_that_fit_a_screen(self):
+        value = "  # GetParam() = (" + 30 * "4-byte object &lt;00-00 00-00&gt;, " + ")"
+        cases = [f"All/Suite{suite}WithALongName.Test/case{i}{value}" for suite in range(20) for i in range(suite + 1)]
+        lines = self.told([*((case, "skipped: no GPU") for case in cases), (cases[0], "skipped: " + 300 * "x")])
         self.assertEqual(lines[0], "   210 skipped: no GPU (All/Suite19WithALongName: 20 cases, All/Suite18WithALongName: "
                                    "19 cases, All/Suite17WithALongName: 18 cases,")
         self.assertTrue(lines[1].startswith("      All/Suite16WithALongName: 17 cases, "), lines[1])
         for suite in range(20):  # every group is named, however many there are
             self.assertEqual("\n".join(lines).count(f"All/Suite{suite}WithALongName"), 2 if suite == 0 else 1)
-        self.assertTrue(lines[-1].startswith("   1 skipped: xxx"))
+        self.assertTrue(lines[-2].startswith("   1 skipped: xxx"))
         self.assertLessEqual(max(map(len, lines)), 150)
 
     def test_a_lone_case_is_named_among_suites(self):
-        skipped = ["a.one", "b/S.two/x  # GetParam() = 1", "b/S.two/y  # GetParam() = 2", "c.d.three [clock of 5 s]"]
-        self.assertEqual(names.groups(skipped), ["b/S: 2 cases", "a.one", "c.d.three [clock of 5 s]"])
+        self.assertEqual(summary.groups(["a.one", "b/S.two/x", "b/S.two/y", "c.d.three [clock of 5 s]"]),
+                         ["b/S: 2 cases", "a.one", "c.d.three [clock of 5 s]"])
 
 
 if __name__ == "__main__":

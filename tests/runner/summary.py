@@ -1,64 +1,43 @@
 """Counts, failures and reasons for skips, from the JUnit reports that ctest wrote."""
 
 import collections
-import pathlib
 import re
 import textwrap
 import xml.etree.ElementTree as xml
 
-import names
-
-# What GoogleTest (GTEST_SKIP), scripts that exit with 77, and ctest itself say.
-REASONS = (re.compile(r": Skipped\n(.+)"), re.compile(r"^skipped: (.+)", re.MULTILINE))
+# How GoogleTest (GTEST_SKIP) and scripts that exit with 77 give the reason for a skip.
+REASON = re.compile(r"(?:: Skipped\n|^skipped: )(.+)", re.MULTILINE)
 WIDTH = 150  # columns of a line
 
 
-def reason_of(case):
-    """Why a test was skipped."""
-    output = case.findtext("system-out") or ""
-    for reason in REASONS:
-        if found := reason.search(output):
-            return found[1].strip()
-    return "disabled" if case.get("status") == "disabled" else "it gave no reason"
+def results(report, suffix=""):
+    """The name of each test, and "passed", "failed" or "skipped: REASON". What ctest could not even start has failed."""
+    for case in xml.parse(report).getroot().findall("testcase"):
+        outcome = {"run": "passed", "disabled": "skipped: disabled"}.get(case.get("status"), "failed")
+        if (skip := case.find("skipped")) is not None and skip.get("message", "").startswith("SKIP_"):
+            said = REASON.search(case.findtext("system-out") or "")
+            outcome = f"skipped: {said[1].strip() if said else 'it gave no reason'}"
+        yield case.get("name").split("  # ")[0] + suffix, outcome  # GoogleTest adds the value of a parameter
 
 
-def outcome_of(case):
-    """passed, failed or skipped. A test that ctest could not even start has failed."""
-    if case.get("status") == "run":
-        return "passed"
-    skipped = case.find("skipped")
-    was_skipped = skipped is not None and skipped.get("message", "").startswith("SKIP_")
-    return "skipped" if was_skipped or case.get("status") == "disabled" else "failed"
+def groups(names):
+    """Suites with their numbers of cases, the largest first; a lone test by its name."""
+    suites = collections.defaultdict(list)
+    for name in sorted(names):
+        suites[name.rpartition(".")[0]].append(name)
+    return [cases[0] if len(cases) == 1 else f"{suite}: {len(cases)} cases"
+            for suite, cases in sorted(suites.items(), key=lambda item: -len(item[1]))]
 
 
-class Summary:
-    """Of any number of reports."""
-
-    def __init__(self):
-        self.passed, self.failed, self.skipped = 0, [], collections.defaultdict(list)
-
-    def add(self, report, suffix=""):
-        """Adds a report; one that ctest did not write adds nothing."""
-        if not pathlib.Path(report).exists():
-            return
-        for case in xml.parse(report).getroot().findall("testcase"):
-            name, outcome = names.short(case.get("name")) + suffix, outcome_of(case)
-            if outcome == "passed":
-                self.passed += 1
-            elif outcome == "failed":
-                self.failed.append(name)
-            else:
-                self.skipped[reason_of(case)].append(name)
-
-    def lines(self):
-        for reason, skipped in sorted(self.skipped.items(), key=lambda item: -len(item[1])):
-            line = names.clipped(f"   {len(skipped)} skipped: {reason}", WIDTH * 2 // 3)
-            groups = ", ".join(names.groups(skipped))
-            yield from textwrap.wrap(f"{line} ({groups})", WIDTH, subsequent_indent="      ", break_long_words=False,
-                                     break_on_hyphens=False)
-        for name in sorted(self.failed):
-            yield f"   failed: {name}"
-
-    def counts(self):
-        skipped = sum(map(len, self.skipped.values()))
-        return f"== {self.passed} passed, {len(self.failed)} failed, {skipped} skipped"
+def lines(found):
+    """One for each reason of a skip and each failure, and the counts."""
+    names = collections.defaultdict(list)
+    for name, outcome in found:
+        names[outcome].append(name)
+    passed, failed, kept = names.pop("passed", []), names.pop("failed", []), WIDTH * 2 // 3
+    for reason, skipped in sorted(names.items(), key=lambda item: -len(item[1])):
+        reason = reason if len(reason) <= kept else reason[:kept - 3] + "..."
+        yield from textwrap.wrap(f"   {len(skipped)} {reason} ({', '.join(groups(skipped))})", WIDTH, subsequent_indent="      ",
+                                 break_long_words=False, break_on_hyphens=False)
+    yield from (f"   failed: {name}" for name in sorted(failed))
+    yield f"== {len(passed)} passed, {len(failed)} failed, {sum(map(len, names.values()))} skipped"

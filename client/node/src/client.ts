@@ -7,6 +7,7 @@ import { MOST_SCENES, checkDone, checkTotal, dataLoss, sceneOf } from "./check_a
 import { type ConnectOptions, type Connection, Connector, Limit } from "./connection.js";
 import { OwnDaemon } from "./daemon.js";
 import { Code, CollidedError, invalid } from "./errors.js";
+import { Features } from "./features.js";
 import { type FrameInput, frameIdOf, frameMessage } from "./frame.js";
 import {
   CreateSceneRequest,
@@ -61,7 +62,9 @@ export class Client {
   static async open(connector: Connector, daemon?: OwnDaemon, patienceSeconds?: number, signal?: AbortSignal): Promise<Client> {
     const connection = await connector.connect(undefined, patienceSeconds, signal);
     try {
-      return new Client(connector, connection, await connection.unary("getServerInfo", {}), daemon);
+      const info = await connection.unary("getServerInfo", {});
+      connection.features = new Features(info, connector.address);
+      return new Client(connector, connection, info, daemon);
     } catch (error) {
       connection.close();
       throw error;
@@ -160,8 +163,10 @@ export class Client {
   async stream(scene: Scene, options: StreamOptions = {}): Promise<FrameStream> {
     sceneIdOf(scene);
     checkStreamOptions(options);
-    const connection = await this.connector.connect(scene.endpoint || undefined);
-    return FrameStream.open(connection, scene, options, this.serverInfo.limits?.maxMessageBytes ?? 0n);
+    return this.#onOwnConnection(
+      (connection) => FrameStream.open(connection, scene, options, this.serverInfo.limits?.maxMessageBytes ?? 0n),
+      scene.endpoint || undefined,
+    );
   }
 
   /**
@@ -176,7 +181,7 @@ export class Client {
   async watch(scene: Scene | string, options: WatchOptions = {}): Promise<Watcher> {
     const sceneId = typeof scene === "string" ? scene : sceneIdOf(scene);
     checkWatchOptions(options);
-    return Watcher.open(await this.connector.connect(), sceneId, options);
+    return this.#onOwnConnection((connection) => Watcher.open(connection, sceneId, options));
   }
 
   /** Creates a scene and a stream that survive the loss of the connection and of the daemon. */
@@ -188,6 +193,18 @@ export class Client {
   async close(): Promise<void> {
     this.connection.close();
     await this.daemon?.stop();
+  }
+
+  /** Calls `open` with a new connection, which what it opens closes in the end. */
+  async #onOwnConnection<T>(open: (connection: Connection) => Promise<T>, address?: string): Promise<T> {
+    const connection = await this.connector.connect(address);
+    connection.features = this.connection.features;
+    try {
+      return await open(connection);
+    } catch (error) {
+      connection.close(); // nothing else does if no call has begun
+      throw error;
+    }
   }
 
   async #create(request: CreateSceneRequest): Promise<Scene> {

@@ -15,6 +15,7 @@ import {
 } from "@grpc/grpc-js";
 import { type Rules, boolean, check, join, seconds, show, string } from "./check.js";
 import { Code, CollidedError, errorOfStatus, invalid } from "./errors.js";
+import type { Features } from "./features.js";
 import { CollisionServiceDefinition } from "./generated/collided/v1/collision_service.js";
 
 /** How a client reaches its daemon. Files are in PEM format. TLS is used if tlsCa is set, else plain text. */
@@ -113,6 +114,8 @@ export class Connector {
 
 /** One connection. */
 export class Connection {
+  /** What the daemon lacks; undefined until its facts are here, and requests are not checked before. */
+  features: Features | undefined;
   readonly #grpc: GrpcClient;
   readonly #options: ConnectOptions;
   #isClosed = false;
@@ -151,27 +154,28 @@ export class Connection {
   }
 
   unary<N extends keyof Methods>(name: N, request: Request<N>, sceneId = "", limitSeconds?: number): Promise<Answer<N>> {
-    const { path, encode, decode } = method(name);
+    const { path, decode } = method(name);
     return new Promise((resolve, reject) => {
+      const bytes = this.encode(name, request);
       const deadline = this.#deadline(limitSeconds);
-      this.#client().makeUnaryRequest(path, encode, decode, request, this.#metadata(sceneId), { deadline }, (error, answer) =>
+      this.#client().makeUnaryRequest(path, same, decode, bytes, this.#metadata(sceneId), { deadline }, (error, answer) =>
         error ? reject(errorOfStatus(error)) : resolve(answer as Answer<N>),
       );
     });
   }
 
-  /** A call with many requests; `done` is called once, with an error or the answer. */
+  /** A call with many requests, which `encode` has made; `done` is called once, with an error or the answer. */
   upload<N extends keyof Methods>(
     name: N,
     sceneId: string,
     limitSeconds: number,
     done: (error: CollidedError | undefined, answer: Answer<N> | undefined) => void,
-  ): ClientWritableStream<Request<N>> {
-    const { path, encode, decode } = method(name);
+  ): ClientWritableStream<Buffer> {
+    const { path, decode } = method(name);
     const deadline = this.#deadline(limitSeconds);
     return this.#client().makeClientStreamRequest(
       path,
-      encode,
+      same,
       decode,
       this.#metadata(sceneId),
       { deadline },
@@ -180,14 +184,22 @@ export class Connection {
   }
 
   serverStream<N extends keyof Methods>(name: N, request: Request<N>, sceneId: string): ClientReadableStream<Answer<N>> {
-    const { path, encode, decode } = method(name);
-    return this.#client().makeServerStreamRequest(path, encode, decode, request, this.#metadata(sceneId));
+    const { path, decode } = method(name);
+    return this.#client().makeServerStreamRequest(path, same, decode, this.encode(name, request), this.#metadata(sceneId));
   }
 
-  /** Requests are messages that are encoded already. */
-  duplex<N extends keyof Methods>(name: N, sceneId: string): ClientDuplexStream<Uint8Array, Answer<N>> {
+  /** A call with many requests, which `encode` has made, and many answers. */
+  duplex<N extends keyof Methods>(name: N, sceneId: string): ClientDuplexStream<Buffer, Answer<N>> {
     const { path, decode } = method(name);
-    return this.#client().makeBidiStreamRequest(path, bufferOf, decode, this.#metadata(sceneId));
+    return this.#client().makeBidiStreamRequest(path, same, decode, this.#metadata(sceneId));
+  }
+
+  /** Encodes a request, as every request is that is sent. Throws UNIMPLEMENTED if the daemon is too old for it. */
+  encode<N extends keyof Methods>(name: N, request: Request<N>): Buffer {
+    const { rpc, encode } = method(name);
+    const bytes = encode(request);
+    this.features?.check(rpc, bytes);
+    return bytes;
   }
 
   get deadlineSeconds(): number {
@@ -224,10 +236,16 @@ function method<N extends keyof Methods>(name: N) {
   const request = requestType as unknown as Coder<Request<N>>;
   const answer = responseType as unknown as Coder<Answer<N>>;
   return {
+    rpc,
     path: `/${fullName}/${rpc}`,
     encode: (message: Request<N>): Buffer => bufferOf(request.encode(message).finish()),
     decode: (bytes: Buffer): Answer<N> => answer.decode(bytes),
   };
+}
+
+/** gRPC's serializer of requests that are encoded already. */
+function same(bytes: Buffer): Buffer {
+  return bytes;
 }
 
 /** Buffer.from(bytes) would copy. */

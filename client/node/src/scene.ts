@@ -17,7 +17,7 @@ import {
   QuantizationBox,
   Report,
   Reuse,
-  type SceneSpec,
+  SceneSpec,
 } from "./generated/collided/v1/scene.js";
 
 /** A mesh of triangles, loose edges and loose points, of any of which it has one or more. Ids are numbered within it. */
@@ -148,28 +148,19 @@ export function meshSpec(mesh: MeshInput, path: string): MeshSpec {
 export function sceneSpec(scene: SceneInput): SceneSpec {
   check(scene, SCENE, "spec");
   if (!Array.isArray(scene.meshes)) throw invalid("spec.meshes", "is not there; a scene has one mesh or more");
+  const { positionFormat = PositionFormat.F32, partDevices = [], kinds = [], fields = [], ...more } = scene;
+  const { meshes, memoryBudgetBytes = 0, expectedContacts = 0, excludedMeshes, quantizationBox, ...rest } = more;
   return {
-    displayName: scene.displayName ?? "",
-    backend: scene.backend ?? Backend.UNSPECIFIED,
-    device: scene.device ?? "",
-    partDevices: [...(scene.partDevices ?? [])],
-    mode: scene.mode ?? DetectionMode.UNSPECIFIED,
-    accuracy: scene.accuracy ?? Accuracy.UNSPECIFIED,
-    positionFormat: scene.positionFormat ?? PositionFormat.F32,
-    thickness: scene.thickness ?? 0,
-    delta: scene.delta ?? 0,
-    kinds: [...(scene.kinds ?? [])],
-    fields: [...(scene.fields ?? [])],
-    memoryBudgetBytes: BigInt(scene.memoryBudgetBytes ?? 0),
-    expectedContacts: BigInt(scene.expectedContacts ?? 0),
-    meshes: scene.meshes.map((mesh, i) => meshSpec(mesh, `spec.meshes[${i}]`)),
-    report: scene.report ?? Report.UNSPECIFIED,
-    broadPhaseEngine: scene.broadPhaseEngine ?? BroadPhaseEngine.UNSPECIFIED,
-    reuse: scene.reuse ?? Reuse.UNSPECIFIED,
-    minSeparation: scene.minSeparation ?? 0,
-    excludedMeshes: meshPairs(scene.excludedMeshes, "spec.excluded_meshes"),
-    restDistance: scene.restDistance ?? 0,
-    quantizationBox: boxOf(scene.quantizationBox),
+    ...SceneSpec.create(rest),
+    positionFormat,
+    partDevices: [...partDevices],
+    kinds: [...kinds],
+    fields: [...fields],
+    memoryBudgetBytes: BigInt(memoryBudgetBytes),
+    expectedContacts: BigInt(expectedContacts),
+    meshes: meshes.map((mesh, i) => meshSpec(mesh, `spec.meshes[${i}]`)),
+    excludedMeshes: meshPairs(excludedMeshes, "spec.excluded_meshes"),
+    quantizationBox: boxOf(quantizationBox),
   };
 }
 

@@ -10,7 +10,6 @@ import {
   DeliveryPolicy,
   OpenStream,
   type StreamOpened,
-  StreamFramesRequest,
   type StreamFramesResponse,
 } from "./generated/collided/v1/collision_service.js";
 import type { ContactChunk } from "./generated/collided/v1/contact.js";
@@ -44,16 +43,16 @@ interface Unanswered extends Taker {
 
 /** Outputs come in the order of the frames. The stream has its own connection, and reads answers as they come. */
 export class FrameStream implements AsyncIterable<FrameOutput> {
-  readonly #call: ClientDuplexStream<Uint8Array, StreamFramesResponse>;
+  readonly #connection: Connection;
+  readonly #call: ClientDuplexStream<Buffer, StreamFramesResponse>;
   readonly #maxMessageBytes: bigint;
   readonly #unanswered: Unanswered[] = []; // in flight, or waiting for a credit
   readonly #ready: FrameOutput[] = [];
   readonly #ended: Promise<void>;
-  readonly #deadlineSeconds: number;
+  readonly #asked: OpenStream;
+  readonly #maySkip: boolean; // LATEST_WINS
   #size: SceneSize = { vertices: 0, elements: 0 }; // as of the opening
   #hasEdits = false; // the scene may have another size by now
-  #maySkip = false; // LATEST_WINS
-  #asked: OpenStream | undefined;
   #opened: StreamOpened | undefined;
   #isOpen = () => {};
   #onAnswer = () => {};
@@ -67,10 +66,12 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   #malformed: CollidedError | undefined;
   #drainsAt: number | undefined;
 
-  private constructor(connection: Connection, sceneId: string, maxMessageBytes: bigint) {
+  private constructor(connection: Connection, asked: OpenStream, maxMessageBytes: bigint) {
+    this.#connection = connection;
+    this.#asked = asked;
+    this.#maySkip = asked.delivery === DeliveryPolicy.LATEST_WINS;
     this.#maxMessageBytes = maxMessageBytes;
-    this.#deadlineSeconds = connection.deadlineSeconds;
-    this.#call = connection.duplex("streamFrames", sceneId);
+    this.#call = connection.duplex("streamFrames", asked.sceneId);
     this.#ended = endOf(this.#call).then((error) => {
       connection.close();
       this.#conclude(this.#malformed ?? error);
@@ -84,8 +85,10 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     options: StreamOptions,
     maxMessageBytes: bigint,
   ): Promise<FrameStream> {
-    const stream = new FrameStream(connection, scene.sceneId, maxMessageBytes);
-    await stream.#open(OpenStream.create({ ...options, sceneId: scene.sceneId }));
+    const asked = OpenStream.create({ ...options, sceneId: scene.sceneId });
+    const opening = connection.encode("streamFrames", { request: { $case: "open", value: asked } });
+    const stream = new FrameStream(connection, asked, maxMessageBytes);
+    await stream.#open(opening);
     return stream;
   }
 
@@ -154,7 +157,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     }
     while (!this.#end) {
       const answered = new Promise<void>((resolve) => (this.#onAnswer = resolve));
-      const stop = onceLate(this.#deadlineSeconds, () => this.#giveUp("answer a frame or end the stream"));
+      const stop = onceLate(this.#connection.deadlineSeconds, () => this.#giveUp("answer a frame or end the stream"));
       await Promise.race([this.#ended, answered]).finally(stop);
     }
     if (this.#end?.error) throw this.#end.error;
@@ -166,18 +169,16 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   }
 
   #giveUp(what: string): void {
-    const text = `the daemon did not ${what} within ${this.#deadlineSeconds} s (deadlineSeconds)`;
+    const text = `the daemon did not ${what} within ${this.#connection.deadlineSeconds} s (deadlineSeconds)`;
     this.#malformed ??= new CollidedError(Code.DEADLINE_EXCEEDED, text);
     this.cancel();
   }
 
-  async #open(open: OpenStream): Promise<void> {
-    this.#maySkip = open.delivery === DeliveryPolicy.LATEST_WINS;
-    this.#asked = open;
+  async #open(opening: Buffer): Promise<void> {
     const opened = new Promise<void>((resolve) => (this.#isOpen = resolve));
     this.#call.on("data", (response: StreamFramesResponse) => this.#take(response));
-    this.#call.write(StreamFramesRequest.encode({ request: { $case: "open", value: open } }).finish());
-    const stop = onceLate(this.#deadlineSeconds, () => this.#giveUp("open the stream"));
+    this.#call.write(opening);
+    const stop = onceLate(this.#connection.deadlineSeconds, () => this.#giveUp("open the stream"));
     await Promise.race([opened, this.#ended]).finally(stop);
     if (!this.#opened) throw this.#whyEnded();
   }
@@ -186,8 +187,8 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     if (response?.$case !== "opened") throw dataLoss("the daemon's first answer does not open the stream");
     const { window } = response.value;
     const { sceneId, spec } = sceneOf(response.value);
-    const most = this.#asked!.window || MOST_FRAMES;
-    if (sceneId !== this.#asked!.sceneId) throw dataLoss(`the daemon opened scene ${sceneId} instead of ${this.#asked!.sceneId}`);
+    const most = this.#asked.window || MOST_FRAMES;
+    if (sceneId !== this.#asked.sceneId) throw dataLoss(`the daemon opened scene ${sceneId} instead of ${this.#asked.sceneId}`);
     if (window < 1 || window > most) throw dataLoss(`opened.window is ${window}; it must be from 1 to ${most}`);
     this.#opened = response.value;
     this.#size = sizeOf(spec);
@@ -217,9 +218,9 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     if (this.#isFinishing && this.#unsent === 0) this.#call.end();
   }
 
-  #encode(input: FrameInput, id: bigint): Uint8Array {
+  #encode(input: FrameInput, id: bigint): Buffer {
     const value = frameMessage(input, id, this.scene.spec!.positionFormat);
-    const bytes = StreamFramesRequest.encode({ request: { $case: "frame", value } }).finish();
+    const bytes = this.#connection.encode("streamFrames", { request: { $case: "frame", value } });
     if (bytes.length <= this.#maxMessageBytes) return bytes;
     const text = `frame is ${bytes.length} bytes; the daemon's limit is ${this.#maxMessageBytes} (--max-message-mb)`;
     throw new CollidedError(Code.RESOURCE_EXHAUSTED, text, { field: "frame" });

@@ -60,16 +60,24 @@ async function uploadMesh(connection: Connection, sceneId: string, mesh: number,
   let settle: { resolve(answer: UploadMeshResponse): void; reject(error: CollidedError): void };
   const answered = new Promise<UploadMeshResponse>((resolve, reject) => (settle = { resolve, reject }));
   let isOver = false;
+  const chunks = chunksOf(connection, sceneId, mesh, triangles);
+  let chunk = chunks.next(); // before the call begins: if the daemon is too old, this throws
   const call = connection.upload("uploadMesh", sceneId, limit, (error, answer) => {
     isOver = true;
     call.emit("drain"); // nothing more is written
     if (error || !answer) settle.reject(error ?? new CollidedError(Code.INTERNAL, "an upload has no answer"));
     else settle.resolve(answer);
   });
-  for (let at = 0; at < triangles.length && !isOver; at += CHUNK_BYTES) {
-    const room = call.write({ sceneId, mesh, triangles: triangles.subarray(at, at + CHUNK_BYTES) });
+  for (; !chunk.done && !isOver; chunk = chunks.next()) {
+    const room = call.write(chunk.value);
     if (!room) await new Promise<void>((resolve) => call.once("drain", resolve));
   }
   call.end();
   return (await answered).scene!;
+}
+
+function* chunksOf(connection: Connection, sceneId: string, mesh: number, triangles: Uint8Array): Generator<Buffer, void> {
+  for (let at = 0; at < triangles.length; at += CHUNK_BYTES) {
+    yield connection.encode("uploadMesh", { sceneId, mesh, triangles: triangles.subarray(at, at + CHUNK_BYTES) });
+  }
 }

@@ -1,4 +1,4 @@
-"""The daemon and the command line: where this machine has them, and the scripts `collided` and `collidectl`, which run them."""
+"""Finds what wheels bring along; holds the scripts `collided` and `collidectl`, which run the daemon and the command line."""
 
 from __future__ import annotations
 
@@ -17,6 +17,11 @@ def bundled(name: str) -> str | None:
     """Returns the program that a wheel brought along: the one of `collided_cuda` if that is installed, else this package's own.
     None where neither has it."""
     return next((str(path) for folder in _folders() if os.access(path := folder / "bin" / name, os.X_OK)), None)
+
+
+def bundled_library(name: str) -> str | None:
+    """The same for a shared library."""
+    return next((str(path) for folder in _folders() if (path := folder / "lib" / name).is_file()), None)
 
 
 def find_program(name: str) -> str | None:

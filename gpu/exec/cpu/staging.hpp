@@ -45,6 +45,9 @@ class HostStaging {
     return {room_.data(), room_.capacity()};
   }
 
+  /// Does nothing: CPU cores have no streams, and check_frame() refuses them.
+  void follow(void*) {}
+
   std::vector<const std::byte*> bring(const std::vector<Source>& sources, uint64_t alignment) {
     uint64_t bytes = 0;
     for (const Source& source : sources)

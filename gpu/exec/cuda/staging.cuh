@@ -9,6 +9,7 @@
 #include <cstring>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "gpu/exec/buffer.hpp"
@@ -50,6 +51,8 @@ class CudaStaging {
     return {room_.data(), room_.capacity()};
   }
 
+  void follow(void* stream) { followed_ = static_cast<cudaStream_t>(stream); }
+
   /// The device reads the sources after this call, but for memory that it cannot read, which is copied here.
   std::vector<const std::byte*> bring(const std::vector<Source>& sources, uint64_t alignment) {
     const NvtxRange range("send");
@@ -57,6 +60,7 @@ class CudaStaging {
     wait_idle();
     const uint64_t bytes = lay_out(sources, alignment);
     stays_on_host_ = bytes <= kFewBytes && can_host_read_all();
+    wait_for_followed();
     if (!stays_on_host_) arrival_.ensure(bytes);
     spill(alignment);
     if (!stays_on_host_) copy_pieces();
@@ -135,6 +139,30 @@ class CudaStaging {
     check_cuda(cudaEventSynchronize(placed_), "placing of positions");
   }
 
+  /// The device waits where it alone reads the sources.
+  void wait_for_followed() {
+    if (followed_ == nullptr) return;
+    record_followed();
+    if (std::any_of(pieces_.begin(), pieces_.end(), [&](const Piece& piece) { return must_spill(piece); })) {
+      check_cuda(cudaEventSynchronize(written_), "stream");
+    } else {
+      check_cuda(cudaStreamWaitEvent(stream_, written_), "stream");
+      in_line_ = true;  // so that first_bad() waits for it, and with it whatever comes after that
+    }
+  }
+
+  void record_followed() {
+    cudaStreamCaptureStatus capture = cudaStreamCaptureStatusNone;
+    cudaError_t error = cudaStreamIsCapturing(followed_, &capture);
+    if (capture != cudaStreamCaptureStatusNone)
+      throw InvalidInput("stream", "stream is being captured, and a frame cannot be part of a graph");
+    if (error == cudaSuccess) error = cudaEventRecord(written_, followed_);
+    if (error == cudaSuccess) return;
+    cudaGetLastError();
+    throw InvalidInput("stream", "stream cannot be waited for on cuda:" + std::to_string(device_) +
+                                     ", where the scene is: " + cudaGetErrorString(error));
+  }
+
   static cudaMemoryType type_of(const std::byte* memory) {
     cudaPointerAttributes attributes{};
     if (cudaPointerGetAttributes(&attributes, memory) == cudaSuccess) return attributes.type;
@@ -206,7 +234,8 @@ class CudaStaging {
   DeviceMemory memory_;
   PinnedMemory pinned_{memory_.ledger()};
   CudaStream stream_;
-  CudaEvent arrived_, placed_;
+  CudaEvent arrived_, placed_, written_;
+  cudaStream_t followed_ = nullptr;
   Buffer<std::byte, DeviceMemory> arrival_{memory_, "staging"}, table_{memory_, "staging"};
   Buffer<std::byte, PinnedMemory> room_{pinned_, "staging"}, spill_{pinned_, "staging"},
       table_room_{pinned_, "staging"};

@@ -18,6 +18,11 @@ bool cuda_works(int) { return false; }
 std::unique_ptr<SharedMemory> register_cuda_memory(int, std::span<std::byte>) {
   throw DeviceError("device: this build has no CUDA");
 }
+std::optional<int> current_cuda_device() { return std::nullopt; }
+void set_current_cuda_device(int) {}
+void check_cuda_memory(int, std::span<const std::byte>, const std::string&) {
+  throw DeviceError("device: this build has no CUDA");
+}
 std::unique_ptr<SharedMemory> open_cuda_memory(int, std::span<const std::byte>) {
   throw InvalidInput("handle", "handle is of device memory, but this build has no CUDA");
 }

@@ -33,6 +33,9 @@ void check_cuda_ordinal(int ordinal);
 uint64_t free_cuda_memory(int ordinal);
 bool cuda_works(int ordinal);
 std::unique_ptr<SharedMemory> register_cuda_memory(int ordinal, std::span<std::byte> memory);
+std::optional<int> current_cuda_device();
+void set_current_cuda_device(int ordinal);
+void check_cuda_memory(int ordinal, std::span<const std::byte> memory, const std::string& field);
 std::unique_ptr<SharedMemory> open_cuda_memory(int ordinal, std::span<const std::byte> handle);
 
 }  // namespace collided

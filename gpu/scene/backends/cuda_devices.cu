@@ -1,4 +1,5 @@
-// The CUDA devices of this machine, and why some of them cannot be used.
+// The CUDA devices of this machine, and why some of them cannot be used. Whoever asks for them has not waited for
+// kernels: that is announced, and done, later.
 #include <cuda_runtime.h>
 
 #include <cstdlib>
@@ -7,6 +8,7 @@
 #include <system_error>
 
 #include "gpu/exec/cuda/device.cuh"
+#include "gpu/exec/cuda/driver.hpp"
 #include "gpu/exec/cuda_compatibility.hpp"
 #include "gpu/scene/backends/backends.hpp"
 
@@ -29,32 +31,47 @@ struct Survey {
 };
 
 // `count`: of the devices, if there are any.
-CudaMachine machine_of(int& count) {
-  CudaMachine machine{.ignores_code = is_set("CUDA_FORCE_PTX_JIT"), .ignores_ptx = is_set("CUDA_DISABLE_PTX_JIT")};
+CudaMachine machine_of(const std::optional<CudaDriver>& driver, int& count) {
+  CudaMachine machine{.runtime = CUDART_VERSION,
+                      .ignores_code = is_set("CUDA_FORCE_PTX_JIT"),
+                      .ignores_ptx = is_set("CUDA_DISABLE_PTX_JIT")};
   std::error_code ignored;
   machine.has_module = std::filesystem::exists("/proc/driver/nvidia/version", ignored);
-  cudaRuntimeGetVersion(&machine.runtime);
-  cudaDriverGetVersion(&machine.driver);
-  const cudaError_t error = cudaGetDeviceCount(&count);
-  cudaGetLastError();
-  machine.has_devices = error == cudaSuccess && count > 0;
-  if (error != cudaSuccess && error != cudaErrorNoDevice) machine.error = cudaGetErrorString(error);
+  if (!driver) return machine;
+  driver->version(&machine.driver);
+  CUresult error = driver->init(0);
+  if (error == CUDA_SUCCESS) error = driver->count(&count);
+  machine.has_devices = error == CUDA_SUCCESS && count > 0;
+  if (error != CUDA_SUCCESS && error != CUDA_ERROR_NO_DEVICE) machine.error = driver->text_of(error);
   return machine;
 }
 
-void add_device(int ordinal, const CudaMachine& machine, Survey& survey) {
+// As cudaGetDeviceProperties, of what is used here.
+CUresult ask_for(const CudaDriver& driver, int ordinal, cudaDeviceProp& out, int& compute_mode) {
+  CUdevice device = 0;
+  CUresult error = driver.device(&device, ordinal);
+  const auto ask = [&](const auto& call, auto... arguments) {
+    if (error == CUDA_SUCCESS) error = call(arguments..., device);
+  };
+  ask(driver.name, out.name, static_cast<int>(sizeof(out.name)));
+  ask(driver.memory, &out.totalGlobalMem);
+  ask(driver.uuid, &out.uuid);
+  ask(driver.attribute, &out.major, CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR);
+  ask(driver.attribute, &out.minor, CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR);
+  ask(driver.attribute, &compute_mode, CU_DEVICE_ATTRIBUTE_COMPUTE_MODE);
+  return error;
+}
+
+void add_device(const CudaDriver& driver, int ordinal, const CudaMachine& machine, Survey& survey) {
   cudaDeviceProp properties{};
-  if (const cudaError_t error = cudaGetDeviceProperties(&properties, ordinal); error != cudaSuccess) {
-    cudaGetLastError();
-    survey.unusable.push_back(
-        {cuda_device(ordinal), "", std::string("it does not answer: ") + cudaGetErrorString(error)});
+  int compute_mode = CU_COMPUTEMODE_DEFAULT;
+  if (const CUresult error = ask_for(driver, ordinal, properties, compute_mode); error != CUDA_SUCCESS) {
+    survey.unusable.push_back({cuda_device(ordinal), "", "it does not answer: " + driver.text_of(error)});
     return;
   }
   const Capability capability{properties.major, properties.minor};
   std::string obstacle = device_obstacle(capability, built(), machine);
-  int mode = cudaComputeModeDefault;
-  if (cudaDeviceGetAttribute(&mode, cudaDevAttrComputeMode, ordinal) == cudaSuccess &&
-      mode == cudaComputeModeProhibited)
+  if (compute_mode == CU_COMPUTEMODE_PROHIBITED)
     obstacle = "its compute mode is 'prohibited'; nvidia-smi --compute-mode=0 changes it";
   if (!obstacle.empty()) return survey.unusable.push_back({cuda_device(ordinal), properties.name, std::move(obstacle)});
   DeviceInfo info = info_of(ordinal, properties);
@@ -66,12 +83,13 @@ void add_device(int ordinal, const CudaMachine& machine, Survey& survey) {
 Survey survey() {
   int count = 0;
   Survey found;
-  const CudaMachine machine = machine_of(count);
+  const std::optional<CudaDriver> driver = CudaDriver::load();
+  const CudaMachine machine = machine_of(driver, count);
   if (std::string obstacle = machine_obstacle(machine); !obstacle.empty()) {
     found.unusable.push_back({{}, "", std::move(obstacle), is_absent(machine)});
     return found;
   }
-  for (int ordinal = 0; ordinal < count; ++ordinal) add_device(ordinal, machine, found);
+  for (int ordinal = 0; ordinal < count; ++ordinal) add_device(*driver, ordinal, machine, found);
   return found;
 }
 
@@ -107,6 +125,32 @@ void check_cuda_ordinal(int ordinal) {
   throw InvalidInput(
       "device", "device is " + to_string(cuda_device(ordinal)) + ": this machine has " + std::to_string(usable.size()) +
                     (usable.size() == 1 ? " usable CUDA device (" : " usable CUDA devices (") + there + ")");
+}
+
+std::optional<int> current_cuda_device() {
+  int ordinal = 0;
+  if (cudaGetDevice(&ordinal) == cudaSuccess) return ordinal;
+  cudaGetLastError();
+  return std::nullopt;
+}
+
+// Setting a device makes its context, which takes memory there: only where it is another one.
+void set_current_cuda_device(int ordinal) {
+  if (current_cuda_device() != ordinal) cudaSetDevice(ordinal);
+}
+
+void check_cuda_memory(int ordinal, std::span<const std::byte> memory, const std::string& field) {
+  for (const std::byte* at : {memory.data(), memory.data() + memory.size() - 1}) {
+    cudaPointerAttributes attributes{};
+    const cudaError_t error = cudaPointerGetAttributes(&attributes, at);
+    if (error != cudaSuccess) cudaGetLastError();
+    const bool is_device = error == cudaSuccess && attributes.type == cudaMemoryTypeDevice;
+    const bool is_managed = error == cudaSuccess && attributes.type == cudaMemoryTypeManaged;
+    if (is_managed || (is_device && attributes.device == ordinal)) continue;
+    const std::string where = is_device ? to_string(cuda_device(attributes.device)) : "the host";
+    throw InvalidInput(field, field + " must lie in memory of " + to_string(cuda_device(ordinal)) + ", but its byte " +
+                                  std::to_string(at - memory.data()) + " is in that of " + where);
+  }
 }
 
 }  // namespace collided

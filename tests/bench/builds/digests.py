@@ -19,9 +19,9 @@ SCENES = {  # with how much finer or coarser than they come
 
 
 @contextlib.contextmanager
-def started(command, env=None, folder="/tmp", known_as=None):
-    """A daemon that is ready: its address, the seconds that took, and its log. Its files lie in `folder`, which a command with another
-    root knows by another name."""
+def started(command, env=None, folder="/tmp", known_as=None, announcement=None):
+    """A daemon that is ready: its address, the seconds that took, those until its log had an announcement, and its log. Its files lie
+    in `folder`, which a command with another root knows by another name."""
     with tempfile.TemporaryDirectory(dir=folder) as own:
         inside = f"{known_as or folder}/{pathlib.Path(own).name}"
         ready, log = pathlib.Path(own, "ready"), pathlib.Path(own, "log")
@@ -29,11 +29,14 @@ def started(command, env=None, folder="/tmp", known_as=None):
         with log.open("wb") as out, subprocess.Popen([*command, "--address", f"unix:{inside}/socket", "--ready-file", f"{inside}/ready"],
                                                      stdout=out, stderr=out, env=env) as process:
             try:
+                said = None
                 while not ready.exists():
+                    if announcement and said is None and announcement in log.read_text():
+                        said = time.monotonic() - begin
                     if process.poll() is not None or time.monotonic() - begin > PATIENCE:
                         sys.exit(f"the daemon is not ready: {log.read_text()}")
                     time.sleep(0.01)
-                yield f"unix:{own}/socket", time.monotonic() - begin, log.read_text()
+                yield f"unix:{own}/socket", time.monotonic() - begin, said, log.read_text()
             finally:
                 process.terminate()
 

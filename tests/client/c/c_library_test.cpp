@@ -99,8 +99,9 @@ TEST_F(CLibrary, StructuresKeepTheirLayout) {
   EXPECT_EQ(offsetof(collided_scene_spec, thickness), 80u);
   EXPECT_EQ(sizeof(collided_update), 80u);
   EXPECT_EQ(offsetof(collided_update, transform), 64u);
-  EXPECT_EQ(sizeof(collided_frame), 80u);
+  EXPECT_EQ(sizeof(collided_frame), 104u);
   EXPECT_EQ(offsetof(collided_frame, delta), 48u);
+  EXPECT_EQ(offsetof(collided_frame, room_bytes), 96u);
   EXPECT_EQ(sizeof(collided_contacts), 72u);
   EXPECT_EQ(sizeof(collided_facts), 200u);
   EXPECT_EQ(sizeof(collided_topology), 72u);
@@ -179,6 +180,68 @@ TEST_F(CLibrary, FieldsThatAreNotAskedForAreNull) {
     EXPECT_EQ(column, nullptr);
   collided_result_free(first);
   collided_result_free(result);
+}
+
+using Contacts = collided_status (*)(const collided_result*, int32_t, collided_contacts*);
+
+collided_contacts contacts_by(Contacts call, const collided_result* result, int32_t kind) {
+  collided_contacts contacts = {};
+  contacts.struct_size = sizeof(contacts);
+  EXPECT_EQ(call(result, kind, &contacts), COLLIDED_OK) << collided_error_message();
+  return contacts;
+}
+
+/// Checks that `some` are the contacts of `all` from `first` on.
+void expect_part(const collided_contacts& some, const collided_contacts& all, uint64_t first) {
+  ASSERT_LE(first + some.count, all.count);
+  const auto same = [&](const auto* part, const auto* whole, size_t width) {
+    ASSERT_EQ(part == nullptr, some.count == 0 || whole == nullptr);
+    if (part == nullptr) return;
+    EXPECT_EQ(std::memcmp(part, whole + width * first, width * some.count * sizeof(*part)), 0);
+  };
+  same(some.elements, all.elements, 2);
+  same(some.stencils, all.stencils, 4);
+  same(some.toi, all.toi, 1);
+  same(some.distance, all.distance, 1);
+  same(some.weights, all.weights, 2);
+  same(some.normals, all.normals, 3);
+  same(some.flags, all.flags, 1);
+}
+
+TEST_F(CLibrary, ContactsStayInTheRoomAndThoseThatDoNotFitComeToTheHost) {
+  for (const uint64_t room_bytes : {64, 1200, 1 << 20}) {
+    alignas(64) static std::byte room[1 << 20];
+    collided_result *all = nullptr, *parted = nullptr;
+    for (collided_result** result : {&all, &parted}) {
+      create();
+      collided_result* first = nullptr;
+      ASSERT_EQ(detect(0, &first), COLLIDED_OK);
+      collided_result_free(first);
+      collided_frame frame = scene.frames[1];
+      if (result == &parted) frame.room = room, frame.room_bytes = room_bytes;
+      ASSERT_EQ(collided_detect(made, &frame, result), COLLIDED_OK) << collided_error_message();
+      collided_scene_free(made);
+      made = nullptr;
+    }
+    uint64_t in_room = 0, count = 0;
+    for (const int32_t kind : {COLLIDED_VERTEX_TRIANGLE, COLLIDED_EDGE_EDGE}) {
+      const collided_contacts whole = contacts_by(collided_result_contacts, all, kind);
+      const collided_contacts here = contacts_by(collided_result_contacts_in_room, parted, kind);
+      const collided_contacts rest = contacts_by(collided_result_contacts, parted, kind);
+      ASSERT_EQ(here.count + rest.count, whole.count);
+      expect_part(here, whole, 0);
+      expect_part(rest, whole, here.count);
+      EXPECT_EQ(contacts_by(collided_result_contacts_in_room, all, kind).count, 0u);
+      in_room += here.count;
+      count += whole.count;
+      EXPECT_TRUE(here.count == 0 || reinterpret_cast<const std::byte*>(here.toi) >= room);
+    }
+    EXPECT_GT(count, 20u);
+    EXPECT_EQ(in_room == 0, room_bytes == 64);
+    EXPECT_EQ(in_room == count, room_bytes == 1 << 20);
+    collided_result_free(all);
+    collided_result_free(parted);
+  }
 }
 
 TEST_F(CLibrary, AFrameIsCancelledAndTheSceneStaysBusyMeanwhile) {

@@ -104,6 +104,7 @@ TEST(CLibraryRefusals, FramesWithTheirFieldAndTheSceneStays) {
   const double scaled[12] = {2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, lost[12] = {kNan, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   const double bad_fraction = 1.5, bad_delta = kNan;
   const uint32_t falling[] = {3, 2};
+  alignas(64) char room[128];
   std::vector<float> positions(14 * 14 * 3);
   positions[5] = std::numeric_limits<float>::infinity();
   const BadFrame cases[] = {
@@ -136,6 +137,10 @@ TEST(CLibraryRefusals, FramesWithTheirFieldAndTheSceneStays) {
       {"delta", [&](auto& f, auto*) { f.delta = &bad_delta; }},
       {"start_fraction", [&](auto& f, auto*) { f.start_fraction = &bad_fraction; }},
       {"advance", [](auto& f, auto*) { f.accuracy = COLLIDED_FAST, f.advance = 1; }},
+      {"stream", [](auto& f, auto*) { f.stream = &f; }},  // of a scene on CPU cores
+      {"room", [](auto& f, auto*) { f.room_bytes = 64; }},
+      {"room_bytes", [&](auto& f, auto*) { f.room = positions.data(); }},
+      {"room", [&](auto& f, auto*) { f.room = room + 1, f.room_bytes = 64; }},
   };
   for (const BadFrame& bad : cases) {
     collided_frame frame = scene.frames[1];
@@ -173,6 +178,7 @@ TEST(CLibraryRefusals, NullPointersEverywhere) {
                                      collided_detect(made, nullptr, &result),
                                      collided_detect(made, &scene.frames[0], nullptr),
                                      collided_result_contacts(nullptr, 1, nullptr),
+                                     collided_result_contacts_in_room(nullptr, 1, nullptr),
                                      collided_result_facts(nullptr, nullptr),
                                      collided_result_stage(nullptr, 0, nullptr, nullptr),
                                      collided_result_unused_option(nullptr, 0, nullptr)};

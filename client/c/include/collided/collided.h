@@ -24,7 +24,7 @@
  *
  * Threads. Calls for different scenes may run at once. A second call for a scene that is busy is refused with
  * COLLIDED_FAILED_PRECONDITION. A scene or result must not be freed while another call uses it. Scenes do not survive
- * fork(): a child process makes its own.
+ * fork(): a child process makes its own. The thread's current CUDA device is the same after a call as before it.
  *
  * Errors. Every function that can fail returns a collided_status. Unless it is COLLIDED_OK, nothing has changed, the
  * scene remains usable, and collided_error_message() says what was wrong, with field, value and limit. No C++ exception
@@ -236,8 +236,8 @@ COLLIDED_API collided_status collided_scene_positions(collided_scene* scene, uin
 
 /* ---- Frames ---- */
 
-/* New positions of one mesh, packed x y z in the scene's format. They may lie in memory of the scene's CUDA device;
- * what wrote them there must have finished. */
+/* New positions of one mesh, packed x y z in the scene's format. They may lie in memory of the scene's CUDA device:
+ * collided_frame.stream names the stream that writes them. */
 typedef struct collided_update {
   size_t struct_size;
   const void* start;       /* CCD: at t = 0; null: where the last frame left the mesh */
@@ -270,6 +270,15 @@ typedef struct collided_frame {
   int32_t (*cancelled)(void* context); /* may be null. The calling thread asks it about every 8 ms; other than 0: give
                                           up. It must not use this scene, nor leave by an exception or longjmp */
   void* cancelled_context;
+  /* A cudaStream_t of the scene's CUDA device. The frame begins after the work that the stream holds now, which may
+   * write the updates' positions or read `room`; the program need not wait for it. cudaStreamLegacy and
+   * cudaStreamPerThread are accepted. A stream that is being captured is refused. Null: no such work is left. */
+  void* stream;
+  /* Memory of the scene's device (of the host, where that is the CPU), aligned to 64 bytes. Contacts stay there, and
+   * collided_result_contacts_in_room names them; those that do not fit come to the host. They are complete when the
+   * call returns. Null: all contacts come to the host. */
+  void* room;
+  uint64_t room_bytes;
 } collided_frame;
 
 typedef struct collided_result collided_result;
@@ -302,8 +311,12 @@ enum {
   COLLIDED_FLAG_SEPARATING = 16 /* in contact at t = 0, and certain to come no closer in the step */
 };
 
+/* Gives the contacts on the host: all of them, or those that did not fit into collided_frame.room. */
 COLLIDED_API collided_status collided_result_contacts(const collided_result* result, int32_t kind,
                                                       collided_contacts* contacts);
+/* Gives the contacts in collided_frame.room, which come before those on the host; the arrays lie in it. */
+COLLIDED_API collided_status collided_result_contacts_in_room(const collided_result* result, int32_t kind,
+                                                              collided_contacts* contacts);
 
 /* What a frame found and what it cost, besides its contacts. */
 typedef struct collided_facts {

@@ -1,5 +1,7 @@
 #pragma once
 // A line chart as inline SVG: no script, no other file. Points tell their values when the pointer rests on them.
+// No charting library replaces it: the smallest from npm that draws such lines, uPlot 1.6, would put 51 kB of script into a page of
+// 27 kB, has no tooltips, shows nothing where scripts are blocked, and a C++ program would need npm to build.
 
 #include <optional>
 #include <string>

@@ -14,6 +14,16 @@ from collided.layout import Layout
 from collided.positions import Format
 
 
+@dataclass(frozen=True, eq=False)
+class Incoming:
+    """A caller's array on the device. keep: what holds its memory."""
+
+    address: int
+    nbytes: int
+    stream: int
+    keep: Any
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Sparse(OneLine):
     """New positions of some vertices: only these move.

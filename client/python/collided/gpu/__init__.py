@@ -1,7 +1,8 @@
 """Positions and contacts that stay on the daemon's GPU.
 
 A `DeviceSession` takes arrays of any library that has `__cuda_array_interface__` or DLPack (cupy, torch, warp, numba, jax), and
-its contacts have that interface: `cupy.asarray(contacts.vt.toi)`. It needs a daemon on this host with --cuda-ipc, and libcudart.
+its contacts have that interface: `cupy.asarray(contacts.vt.toi)`. It needs libcudart, and a daemon on this host with --cuda-ipc or the
+engine in this process (server="local").
 """
 
 from collided.gpu.arrays import DeviceArray

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from collided.errors import InvalidArgument
+from collided.frames.updates import Incoming
 from collided.gpu.cuda import Cuda
 
 _CUDA_DEVICE = 2  # kDLCUDA
@@ -46,16 +47,6 @@ class DeviceArray:
             self.cuda.copy(out.ctypes.data, self.address, out.nbytes)
             self.cuda.synchronize()
         return out
-
-
-@dataclass(frozen=True, eq=False)
-class Incoming:
-    """A caller's array on the device. keep: what holds its memory."""
-
-    address: int
-    nbytes: int
-    stream: int
-    keep: Any
 
 
 def is_on_device(value: Any) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from collided.contacts.columns import COLUMNS, Part, read_chunk
 from collided.errors import DataLoss
 from collided.gpu.arrays import DeviceArray
-from collided.gpu.memory import DeviceMemory
+from collided.gpu.memory import OutputMemory
 from collided.v1 import contact_pb2, frame_pb2
 
 _NAMES = {contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE: "vt", contact_pb2.CONTACT_KIND_EDGE_EDGE: "ee",
@@ -47,7 +47,7 @@ class DeviceContacts:
     on_host: list[Part] = field(default_factory=list)
     done: frame_pb2.FrameDone = field(default_factory=frame_pb2.FrameDone)
 
-    def add(self, chunk: contact_pb2.ContactChunk, memory: DeviceMemory) -> None:
+    def add(self, chunk: contact_pb2.ContactChunk, memory: OutputMemory) -> None:
         """A chunk of the daemon's."""
         if chunk.kind not in _NAMES:
             raise DataLoss(f"contacts.kind is {chunk.kind}, which this client does not know")
@@ -58,12 +58,12 @@ class DeviceContacts:
         setattr(self, _NAMES[chunk.kind], KindOnDevice(chunk.count, **arrays))
 
 
-def _array(chunk: contact_pb2.ContactChunk, name: str, memory: DeviceMemory) -> DeviceArray | None:
+def _array(chunk: contact_pb2.ContactChunk, name: str, memory: OutputMemory) -> DeviceArray | None:
     column, place = COLUMNS[name], getattr(chunk.shared, name)
     needed = chunk.count * column.dtype.itemsize * int(np.prod(column.shape, dtype=int))
     if place.size == 0:
         return None
-    room = memory.layout.output_bytes
+    room = memory.output_bytes
     if place.size != needed or place.offset > room or place.size > room - place.offset:
         raise DataLoss(f"contacts.shared.{name} has {place.size} bytes at offset {place.offset} for {chunk.count} contacts; it "
                        f"needs {needed}, and the output region has {room}")

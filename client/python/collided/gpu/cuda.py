@@ -20,6 +20,9 @@ class _Handle(ctypes.Structure):
 class Cuda:
     """Calls on the current device. Raises FailedPrecondition where there is no libcudart or no GPU."""
 
+    backend = "cuda"  # of the scenes whose device it is
+    default_stream: int | None = 1  # cudaStreamLegacy, which waits for work on all streams but the non-blocking ones
+
     def __init__(self, library: Any = None) -> None:
         """library: None: libcudart, as the loader finds it."""
         self._library = library or _load()

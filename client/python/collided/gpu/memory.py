@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from collided.errors import DataLoss
-from collided.gpu.arrays import Incoming
+from collided.frames.updates import Incoming
 from collided.gpu.cuda import Cuda
 from collided.transport.region import Part, RegionLayout
 from collided.v1 import local_pb2
+
+
+class OutputMemory(Protocol):
+    """Memory of the device that holds contacts."""
+
+    cuda: Cuda
+    address: int
+    output_bytes: int
 
 
 class DeviceMemory:
@@ -18,6 +26,7 @@ class DeviceMemory:
 
     def __init__(self, cuda: Cuda, layout: RegionLayout) -> None:
         self.cuda, self.layout = cuda, layout
+        self.output_bytes = layout.output_bytes
         self.address = cuda.allocate(layout.output_bytes + layout.input_bytes)
 
     def describe(self, opening: local_pb2.LocalOpen) -> list[int]:

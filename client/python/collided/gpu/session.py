@@ -15,12 +15,14 @@ from collided.frames.updates import Update
 from collided.gpu.arrays import incoming, is_on_device
 from collided.gpu.contacts import DeviceContacts
 from collided.gpu.cuda import Cuda
-from collided.gpu.memory import DeviceMemory
+from collided.gpu.memory import DeviceMemory, OutputMemory
+from collided.in_process.client import LocalClient
+from collided.in_process.device import DeviceTransport, Rooms
 from collided.layout import Layout
 from collided.leftovers import Leftover
 from collided.scene import Scene
 from collided.transport.local_transport import LocalTransport
-from collided.transport.opening import local_socket, opened_by
+from collided.transport.opening import MOST_FRAMES, local_socket, opened_by
 from collided.transport.peer import LocalPeer
 from collided.transport.region import region_layout
 from collided.v1 import collision_service_pb2 as api
@@ -47,6 +49,10 @@ class DeviceSession:
     Positions are arrays with `__cuda_array_interface__` or DLPack, of the scene's own type, (n, 3) and contiguous, or in host
     memory, or `Sparse` or `Rigid`. Arrays may be changed once `send` returns. The client does not know where the scene is: a
     daemon that is lost is not put back, and raises Unavailable.
+
+    server="local": the engine in this process, on the scene's GPU; `send` computes the frame, positions are read where they are, and
+    Ctrl-C acts once the frame is answered. It begins after the work that is in line on the arrays' streams (that of
+    `__cuda_array_interface__`, else the default stream), and so does whatever still reads an earlier frame's contacts there.
     """
 
     def __init__(self, meshes: Any, *, window: int = 2, output_bytes: int = 16 << 20, edit_bytes: int = 0,
@@ -70,13 +76,22 @@ class DeviceSession:
 
     def _open(self, cuda: Cuda, window: int, room: tuple[int, int], daemon_user: int | None) -> None:
         client = self.scene.client
+        if isinstance(client, LocalClient):
+            if not 1 <= window <= MOST_FRAMES:
+                raise ResourceExhausted(f"window is {window}; it must be from 1 to {MOST_FRAMES}", field="window")
+            rooms = Rooms(cuda, window, room[0])
+            self._memory: OutputMemory = rooms
+            self._transport: DeviceTransport | LocalTransport = DeviceTransport(client, self.scene.message, rooms)
+            return
         limit = client.info.limits.max_window
         if not 1 <= window <= limit:
             raise ResourceExhausted(f"window is {window}; the daemon's limit is {limit}", field="window")
         path = local_socket(client, self.scene.message)
-        self._memory = DeviceMemory(cuda, region_layout(self.scene.refresh(), window, *room))
-        self._transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options), self._memory)
-        opened_by(self._transport, api.OpenStream(scene_id=self.scene.id, window=window), client, client.options.deadline)
+        memory = DeviceMemory(cuda, region_layout(self.scene.refresh(), window, *room))
+        self._memory = memory
+        transport = LocalTransport(LocalPeer(path, client.address, daemon_user, client.options), memory)
+        self._transport = transport
+        opened_by(transport, api.OpenStream(scene_id=self.scene.id, window=window), client, client.options.deadline)
 
     def step(self, positions: Any = None, start: Any = None, **options: Unpack[FrameOptions]) -> DeviceContacts:
         """Sends a frame and waits for its contacts."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import ctypes
 import threading
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from collided.errors import FailedPrecondition, Unimplemented
-from collided.frames.updates import Update
+from collided.frames.updates import Incoming, Update
 from collided.in_process import library
 from collided.in_process.library import Library
 from collided.layout import Layout
@@ -22,6 +23,15 @@ _KINDS = (contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE, contact_pb2.CONTACT_KIND_EDG
 _NAMES = {"excluded_rings": "exclude_rings", "excludes_rest_pairs": "exclude_rest_pairs"}  # of the library, and here
 
 
+@dataclass(frozen=True)
+class OnDevice:
+    """The frame begins after the work that a stream holds, and its contacts stay in memory of the scene's device."""
+
+    stream: int | None
+    address: int  # of the room
+    size: int
+
+
 class Result:
     """Holds what a frame found. Its messages name arrays in the library's memory, which free() gives back."""
 
@@ -29,17 +39,33 @@ class Result:
         self._library, self._pointer = loaded, pointer
 
     def done(self, has_advanced: bool) -> frame_pb2.FrameDone:
+        """Describes a frame whose contacts all came to the host."""
+        done = self._facts(has_advanced)
+        done.contacts.extend(_chunk(kind, contacts) for kind, contacts in self._contacts("result_contacts"))
+        return done
+
+    def done_on_device(self, has_advanced: bool, memory: int) -> frame_pb2.FrameDone:
+        """Describes a frame that had room on the device. Offsets count from `memory`. Contacts on the host are copied."""
+        done = self._facts(has_advanced)
+        done.contacts.extend(_chunk(kind, contacts, memory) for kind, contacts in self._contacts("result_contacts_in_room"))
+        done.contacts.extend(_copy(kind, contacts) for kind, contacts in self._contacts("result_contacts"))
+        return done
+
+    def _contacts(self, function: str) -> Iterator[tuple[contact_pb2.ContactKind, library.Contacts]]:
+        """Yields each kind that has contacts."""
+        for kind in _KINDS:
+            contacts = library.Contacts()
+            self._library.call(function, self._pointer, kind, ctypes.byref(contacts))
+            if contacts.count:
+                yield kind, contacts
+
+    def _facts(self, has_advanced: bool) -> frame_pb2.FrameDone:
         facts = library.Facts()
         self._library.call("result_facts", self._pointer, ctypes.byref(facts))
         done = frame_pb2.FrameDone(contact_count=facts.contact_count, earliest_toi=facts.earliest_toi,
                                    any_contact=bool(facts.any_contact), metrics=self._metrics(facts))
         if has_advanced:
             done.advanced = facts.advanced
-        for kind in _KINDS:
-            contacts = library.Contacts()
-            self._library.call("result_contacts", self._pointer, kind, ctypes.byref(contacts))
-            if contacts.count:
-                done.contacts.append(_chunk(kind, contacts))
         return done
 
     def _metrics(self, facts: library.Facts) -> metrics_pb2.FrameMetrics:
@@ -74,14 +100,20 @@ class Result:
         self._library.free_result(pointer)
 
 
-def _chunk(kind: contact_pb2.ContactKind, contacts: library.Contacts) -> contact_pb2.ContactChunk:
-    """Its arrays are named by their addresses."""
+def _chunk(kind: contact_pb2.ContactKind, contacts: library.Contacts, memory: int = 0) -> contact_pb2.ContactChunk:
+    """Names each array by its offset from `memory`."""
     chunk = contact_pb2.ContactChunk(kind=kind, count=contacts.count)
     for name, width in _ARRAYS.items():
         if (address := getattr(contacts, name)) is not None:
             shared = getattr(chunk.shared, name)
-            shared.offset, shared.size = address, contacts.count * width
+            shared.offset, shared.size = address - memory, contacts.count * width
     return chunk
+
+
+def _copy(kind: contact_pb2.ContactKind, contacts: library.Contacts) -> contact_pb2.ContactChunk:
+    arrays: dict[str, Any] = {name: ctypes.string_at(address, contacts.count * width) for name, width in _ARRAYS.items()
+              if (address := getattr(contacts, name)) is not None}
+    return contact_pb2.ContactChunk(kind=kind, count=contacts.count, **arrays)
 
 
 class EngineScene:
@@ -113,12 +145,17 @@ class EngineScene:
         del message.memory[:]
         message.memory.add(part="scene", bytes=memory.value)
 
-    def detect(self, frame_id: int, head: frame_pb2.Frame, updates: list[Update]) -> Result:
-        """Waits for the frame. Raises Cancelled after give_up()."""
+    def detect(self, frame_id: int, head: frame_pb2.Frame, updates: list[Update],
+               on_device: OnDevice | None = None) -> Result:
+        """Waits for the frame. Raises Cancelled after give_up(), which does not end one that is on the device: a callback into
+        the interpreter would swallow an interrupt of its main thread."""
         if head.HasField("edit"):
             raise Unimplemented("edit is given, which an engine in the process does not take; use a daemon", field="edit")
         result = ctypes.c_void_p()
         frame = self._frame(head, updates)
+        if on_device:
+            frame.stream, frame.room, frame.room_bytes = on_device.stream, on_device.address, on_device.size
+            frame.cancelled = library.CANCELLED()
         with self._lock:
             self._check_open()
             self._is_busy = True
@@ -163,7 +200,9 @@ class EngineScene:
             raise FailedPrecondition("the scene is closed")
 
 
-def _address(array: np.ndarray | None) -> int | None:
+def _address(array: np.ndarray | Incoming | None) -> int | None:
+    if isinstance(array, Incoming):
+        return array.address
     return None if array is None or not array.size else array.ctypes.data
 
 

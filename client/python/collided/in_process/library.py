@@ -5,11 +5,11 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
-import pathlib
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from typing import Any
 
 from collided.errors import FailedPrecondition, error_of
+from collided.programs import bundled_library
 
 _ABI = 1  # COLLIDED_ABI_VERSION
 _NAME = f"libcollided.so.{_ABI}"
@@ -61,7 +61,8 @@ class Frame(_Sized):
     _fields_ = [("struct_size", c_size_t), ("updates", POINTER(Update)), ("update_count", c_uint64), ("mode", c_int32),
                 ("accuracy", c_int32), ("report", c_int32), ("ignore_separating", c_int32), ("advance", c_int32),
                 ("trial", c_int32), ("delta", POINTER(c_double)), ("start_fraction", POINTER(c_double)),
-                ("cancelled", CANCELLED), ("cancelled_context", c_void_p)]
+                ("cancelled", CANCELLED), ("cancelled_context", c_void_p), ("stream", c_void_p), ("room", c_void_p),
+                ("room_bytes", c_uint64)]
 
 
 class Contacts(_Sized):
@@ -88,6 +89,7 @@ _FUNCTIONS = {
     "scene_device": [c_void_p, POINTER(DeviceInfo)],
     "detect": [c_void_p, POINTER(Frame), POINTER(c_void_p)],
     "result_contacts": [c_void_p, c_int32, POINTER(Contacts)],
+    "result_contacts_in_room": [c_void_p, c_int32, POINTER(Contacts)],
     "result_facts": [c_void_p, POINTER(Facts)],
     "result_stage": [c_void_p, c_uint32, POINTER(c_char_p), POINTER(c_double)],
     "result_unused_option": [c_void_p, c_uint32, POINTER(c_char_p)]}
@@ -132,10 +134,8 @@ class Library:
 
 
 def find_library() -> str:
-    """$COLLIDED_LIBRARY; else the package's own; else what the system's loader finds by name."""
-    named = os.environ.get("COLLIDED_LIBRARY")
-    own = pathlib.Path(__file__).resolve().parents[1] / "lib" / _NAME
-    return named or (str(own) if own.is_file() else _NAME)
+    """$COLLIDED_LIBRARY; else what a wheel brought along; else what the system's loader finds by name."""
+    return os.environ.get("COLLIDED_LIBRARY") or bundled_library(_NAME) or _NAME
 
 
 @functools.cache

@@ -20,6 +20,18 @@ _Frame = tuple[int, frame_pb2.Frame, list[Update]]
 _Answer = tuple[int, frame_pb2.Frame, Result | Error]
 
 
+def taken_by(stream: Any, client: LocalClient, scene_id: str, resume: bool) -> EngineScene:
+    """The scene, for the one stream that it has at a time. resume: ends another one that it may have."""
+    engine = client.engine(scene_id)
+    if engine.stream is not None:
+        if not resume:
+            raise FailedPrecondition(f"scene {scene_id} has a stream already; one at a time")
+        engine.stream.close()
+    engine.give_up(False)
+    engine.stream = stream
+    return engine
+
+
 class EngineTransport:
     """A thread computes, so that reading can have a timeout and a frame can be sent while another one is in work."""
 
@@ -28,13 +40,7 @@ class EngineTransport:
     def __init__(self, client: LocalClient, scene: scene_pb2.Scene, resume: bool) -> None:
         """resume: takes the scene over from a stream that may still be open."""
         self._client, self._scene_id = client, scene.scene_id
-        self._engine: EngineScene = client.engine(scene.scene_id)
-        if self._engine.stream is not None:
-            if not resume:
-                raise FailedPrecondition(f"scene {scene.scene_id} has a stream already; one at a time")
-            self._engine.stream.close()
-        self._engine.give_up(False)
-        self._engine.stream = self
+        self._engine = taken_by(self, client, scene.scene_id, resume)
         self._frames: queue.SimpleQueue[_Frame | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[_Answer | None] = queue.SimpleQueue()
         self._opened: api.StreamFramesResponse | None = None
@@ -68,8 +74,7 @@ class EngineTransport:
             raise Unavailable("the stream has ended")
         frame_id, head, outcome = answer
         if isinstance(outcome, Error):
-            refused = frame_pb2.FrameError(code=code_of(outcome), message=outcome.message, field=outcome.field)
-            return api.StreamFramesResponse(frame_id=frame_id, error=refused)
+            return refusal(frame_id, outcome)
         self._shown = outcome
         return api.StreamFramesResponse(frame_id=frame_id, done=outcome.done(head.advance))
 
@@ -101,6 +106,12 @@ class EngineTransport:
         shown, self._shown = self._shown, None
         if shown is not None:
             shown.free()
+
+
+def refusal(frame_id: int, error: Error) -> api.StreamFramesResponse:
+    """The answer of a frame that was refused."""
+    refused = frame_pb2.FrameError(code=code_of(error), message=error.message, field=error.field)
+    return api.StreamFramesResponse(frame_id=frame_id, error=refused)
 
 
 def _serve(engine: EngineScene, frames: queue.SimpleQueue[_Frame | None], answers: queue.SimpleQueue[_Answer | None]) -> None:

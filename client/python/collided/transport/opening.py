@@ -14,6 +14,7 @@ from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPreconditi
                              ResourceExhausted, Unimplemented)
 from collided.in_process.client import LocalClient
 from collided.in_process.transport import EngineTransport
+from collided.transport.base import Transport
 from collided.transport.call_transport import CallTransport
 from collided.transport.grpc_transport import GrpcTransport
 from collided.transport.local_transport import LocalTransport
@@ -23,7 +24,7 @@ from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
 
 _DEFAULT_WINDOW = 2
-_MOST_FRAMES = 1024  # that any daemon lets be in flight
+MOST_FRAMES = 1024  # that any daemon lets be in flight
 _TRANSPORTS = ("auto", "shared_memory", "grpc", "calls")
 
 
@@ -86,8 +87,8 @@ def _check_local(options: StreamOptions) -> None:
         raise Unimplemented(f"transport is {options.transport!r}, but server is 'local', and nothing is sent", field="transport")
     if options.delivery == api.DELIVERY_POLICY_LATEST_WINS:
         raise Unimplemented("delivery is 'latest_wins', but server is 'local', which answers every frame", field="delivery")
-    if options.window > _MOST_FRAMES:
-        raise ResourceExhausted(f"window is {options.window}; the limit is {_MOST_FRAMES}", field="window")
+    if options.window > MOST_FRAMES:
+        raise ResourceExhausted(f"window is {options.window}; the limit is {MOST_FRAMES}", field="window")
 
 
 def _local(client: Client, scene: scene_pb2.Scene, options: StreamOptions,
@@ -127,7 +128,7 @@ def opened_by(transport: Transport, opening: api.OpenStream, client: Client, sec
             raise DeadlineExceeded(f"the daemon at {client.place} did not open the stream within {seconds:.3g} s (deadline)")
         if not response.HasField("opened"):
             raise DataLoss("the daemon's first answer does not open the stream")
-        opened, most = response.opened, opening.window or _MOST_FRAMES
+        opened, most = response.opened, opening.window or MOST_FRAMES
         if opened.scene.scene_id != opening.scene_id:
             raise DataLoss(f"the daemon opened scene {opened.scene.scene_id!r} instead of {opening.scene_id!r}")
         if not 1 <= opened.window <= most:

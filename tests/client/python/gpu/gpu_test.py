@@ -10,6 +10,7 @@ import tempfile
 import threading
 
 from device_arrays import InDlpack, OnDevice
+from host_cuda import HostCuda
 from support import TIP, Case, lowered, main, meshes, np
 
 import collided
@@ -17,34 +18,6 @@ from collided.contacts.columns import COLUMNS
 from collided.gpu import Cuda, DeviceSession
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import contact_pb2, frame_pb2, local_pb2, scene_pb2
-
-
-class HostCuda:
-    """libcudart on host memory: a handle holds the address."""
-
-    def __init__(self):
-        self.buffers = {}
-
-    def cudaMalloc(self, pointer, size):
-        buffer = ctypes.create_string_buffer(size.value)
-        pointer._obj.value = ctypes.addressof(buffer)
-        self.buffers[pointer._obj.value] = buffer
-        return 0
-
-    def cudaFree(self, address):
-        del self.buffers[address.value]
-        return 0
-
-    def cudaIpcGetMemHandle(self, handle, address):
-        ctypes.memmove(handle, str(address.value).encode(), len(str(address.value)))
-        return 0
-
-    def cudaMemcpy(self, to, source, size, kind):
-        ctypes.memmove(to, source, size.value)
-        return 0
-
-    def cudaStreamSynchronize(self, stream):
-        return 0
 
 
 class Broken(HostCuda):

@@ -5,7 +5,6 @@ that was built, which is older than that.
 """
 
 import pathlib
-import re
 import shutil
 import subprocess
 import sys
@@ -13,28 +12,14 @@ import tempfile
 import unittest
 
 REPOSITORY = pathlib.Path(sys.argv[3])
-GAINED = {
-    "scene": [(r"^message SceneSpec \{", 'message SceneSpec {\n  bool mirrored = 99 [(field_added_in) = "99.0.0"];'),
-              (r"^message MeshSpec \{", 'message MeshSpec {\n  uint32 layers = 99 [(field_added_in) = "99.0.0"];'),
-              (r"REPORT_ANY_HIT = 3;", 'REPORT_ANY_HIT = 3;\n  REPORT_DEEPEST = 99 [(value_added_in) = "99.0.0"];')],
-    "frame": [(r"^message Frame \{", 'message Frame {\n  double friction = 99 [(field_added_in) = "99.0.0"];')],
-    "collision_service": [(r"^  rpc GetMesh\(", '  rpc MoveScene(GetMeshRequest) returns (GetMeshResponse) { option (method_added_in) = "99.0.0"; }\n'
-                                                "  rpc GetMesh("),
-                          (r"^message OpenStream \{", 'message OpenStream {\n  bool is_mirrored = 99 [(field_added_in) = "99.0.0"];')],
-}
+sys.path.append(str(REPOSITORY / "tests/proto"))
+import newer
 
 
 def newer_package(folder):
     """This package with the protocol of release 99.0.0."""
     protos = folder / "proto"
-    shutil.copytree(REPOSITORY / "proto/collided", protos / "collided")
-    for name, changes in GAINED.items():
-        file = protos / f"collided/v1/{name}.proto"
-        text = file.read_text()
-        for pattern, replacement in [(r"^package collided.v1;", 'package collided.v1;\nimport "collided/v1/added_in.proto";'), *changes]:
-            text, count = re.subn(pattern, replacement, text, count=1, flags=re.MULTILINE)
-            assert count == 1, pattern
-        file.write_text(text)
+    newer.write_protocol(REPOSITORY, protos)
     out = folder / "package"
     shutil.copytree(REPOSITORY / "client/python/collided", out / "collided", ignore=shutil.ignore_patterns("__pycache__", "v1"))
     files = [str(file) for file in sorted(protos.glob("collided/v1/*.proto"))]
@@ -52,13 +37,11 @@ FOLDER = tempfile.TemporaryDirectory()
 sys.path.insert(0, str(newer_package(pathlib.Path(FOLDER.name))))
 
 import collided
+import compatibility
 from collided.connection.features import Features, additions
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2, scene_pb2
 from support import STREAMS, TIP, Supervised, lowered, meshes
-
-NAMES = {"collided.v1.SceneSpec.mirrored", "collided.v1.MeshSpec.layers", "collided.v1.REPORT_DEEPEST", "collided.v1.Frame.friction",
-         "collided.v1.CollisionService.MoveScene", "collided.v1.OpenStream.is_mirrored"}
 
 
 class NewerClient(unittest.TestCase):
@@ -76,7 +59,7 @@ class NewerClient(unittest.TestCase):
             call(*arguments, **named)
         error, version = caught.exception, self.client.info.version
         self.assertEqual(error.field, what)
-        self.assertEqual(error.message, f"{what} needs a daemon of release 99.0.0 or later; the daemon at {self.daemon.address} is {version}")
+        self.assertEqual(error.message, f"{what} needs a daemon of release {newer.RELEASE} or later; the daemon at {self.daemon.address} is {version}")
 
     def spec(self, **more):
         spec = scene_pb2.SceneSpec(mode=scene_pb2.DETECTION_MODE_CCD, **more)
@@ -84,13 +67,10 @@ class NewerClient(unittest.TestCase):
         return spec
 
     def test_what_the_client_has_gained(self):
-        self.assertLessEqual(NAMES, additions().keys())
-        self.assertEqual({additions()[name] for name in NAMES}, {"99.0.0"})
+        self.assertLessEqual(newer.NAMES, additions().keys())
+        self.assertEqual({additions()[name] for name in newer.NAMES}, {newer.RELEASE})
 
     def test_the_daemon_lists_what_its_own_protocol_has_gained(self):
-        sys.path.append(str(REPOSITORY / "tests/proto"))
-        import compatibility
-
         gained = compatibility.additions(compatibility.compile_protocol(REPOSITORY / "proto"))
         self.assertEqual(list(self.client.info.features), sorted(gained))
 
@@ -133,7 +113,7 @@ class NewerClient(unittest.TestCase):
         features.check_method("MoveScene")
         features.check(frame_pb2.Frame(friction=0.5, report=99), "frame")
         with self.assertRaises(collided.Unimplemented):
-            Features(api.GetServerInfoResponse(version="99.0.0", features=sorted(NAMES - {"collided.v1.Frame.friction"})), "here").check(
+            Features(api.GetServerInfoResponse(version="99.0.0", features=sorted(newer.NAMES - {"collided.v1.Frame.friction"})), "here").check(
                 frame_pb2.Frame(friction=0.5), "frame")
 
 
