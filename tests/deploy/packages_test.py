@@ -104,7 +104,8 @@ class Packages(unittest.TestCase):
         self.assertEqual("CUDA Runtime" in names, self.daemon() == "collided-cuda")
         libraries = set(re.findall(r"(lib[\w.+-]+)", self.field(self.daemon(), "Depends")))
         # A virtual package has another name here: the one that provides it.
-        self.assertEqual({name for name in libraries if name not in names}, {"libspdlog1.10-fmt9"})
+        (virtual,) = (name for name in libraries if name not in names)
+        self.assertRegex(virtual, r"^libspdlog[\d.]+-fmt\d+$")
         self.assertEqual(names["libgrpc29"], run("dpkg-query", "-W", "-f", "${Version}", "libgrpc29"))
         for relation in document["relationships"]:
             for end in ("spdxElementId", "relatedSpdxElement"):

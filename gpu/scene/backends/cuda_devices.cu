@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "gpu/exec/cuda/device.cuh"
-#include "gpu/exec/cuda/driver.hpp"
+#include "gpu/exec/cuda/driver.cuh"
 #include "gpu/exec/cuda_compatibility.hpp"
 #include "gpu/scene/backends/backends.hpp"
 

@@ -11,8 +11,6 @@ if a start with PTX was not announced in the log before the kernels were there.
 """
 
 import argparse
-import contextlib
-import hashlib
 import json
 import os
 import pathlib
@@ -21,14 +19,8 @@ import sys
 import tempfile
 import time
 
-PATIENCE = 1800
-SCENES = {
-    "cloth_ball, ccd": ["--scene", "cloth_ball"],
-    "cloth_ball, ccd, exact": ["--scene", "cloth_ball", "--accuracy", "exact", "--scale", "0.5"],
-    "funnel, dcd": ["--scene", "funnel", "--mode", "dcd", "--thickness", "0.01", "--kinds", "vt,ee,tt"],
-    "nbody, octree, f64": ["--scene", "nbody", "--engine", "octree", "--position-format", "f64"],
-    "reef_knot, lbvh": ["--scene", "reef_knot", "--engine", "lbvh"],
-}
+from digests import PATIENCE, digest, digests, started
+
 ANNOUNCED = "compiling the kernels"
 
 
@@ -37,45 +29,14 @@ def environment(cache):
     return {**os.environ, "CUDA_CACHE_PATH": str(cache)}
 
 
-@contextlib.contextmanager
-def started(daemon, env):
-    """A daemon that is ready: its address, the seconds that took, those until it announced a compilation, and its log."""
-    with tempfile.TemporaryDirectory() as folder:
-        ready, log, socket = (pathlib.Path(folder, name) for name in ("ready", "log", "socket"))
-        begin = time.monotonic()
-        with log.open("wb") as out, subprocess.Popen([daemon, "--backend", "cuda", "--address", f"unix:{socket}", "--ready-file", ready],
-                                                     stdout=out, stderr=out, env=env) as process:
-            try:
-                said = None
-                while not ready.exists():
-                    if said is None and ANNOUNCED in log.read_text():
-                        said = time.monotonic() - begin
-                    if process.poll() is not None or time.monotonic() - begin > PATIENCE:
-                        sys.exit(f"ptx_bench.py: the daemon is not ready: {log.read_text()}")
-                    time.sleep(0.01)
-                yield f"unix:{socket}", time.monotonic() - begin, said, log.read_text()
-            finally:
-                process.terminate()
-
-
-def digest(collidectl, address, words):
-    """Of the contacts of some frames, and the seconds that took."""
-    with tempfile.TemporaryDirectory() as folder:
-        contacts = pathlib.Path(folder, "contacts.csv")
-        begin = time.monotonic()
-        subprocess.run([collidectl, "stream", "--server", address, "--backend", "cuda", "--out", contacts, *words], check=True,
-                       stdout=subprocess.DEVNULL, timeout=PATIENCE)
-        seconds = time.monotonic() - begin
-        lines = contacts.read_bytes()
-    return {"contacts": lines.count(b"\n") - 1, "sha256": hashlib.sha256(lines).hexdigest()}, seconds
-
-
 def measure(daemon, arguments, env):
-    with started(daemon, env) as (address, seconds, said, log):
-        _, first = digest(arguments.collidectl, address, ["--scene", "funnel", "--scale", "0.2", "--frames", "1"])
-        digests = {name: digest(arguments.collidectl, address, [*words, "--frames", "20", "--dt", "0.05"])[0] for name, words in SCENES.items()}
+    gpu = ("--backend", "cuda")
+    with started([daemon, *gpu], env, announcement=ANNOUNCED) as (address, seconds, said, log):
+        _, first = digest(arguments.collidectl, address, "--scene", "funnel", "--scale", "0.2", "--frames", "1", *gpu)
+        found = digests(arguments.collidectl, address, *gpu)
     announced = [line for line in log.splitlines() if ANNOUNCED in line]
-    return {"ready_seconds": round(seconds, 2), "announced_seconds": said and round(said, 2), "first_scene_seconds": round(first, 2), "announced": announced, "digests": digests}
+    return {"ready_seconds": round(seconds, 2), "announced_seconds": said and round(said, 2), "first_scene_seconds": round(first, 2),
+            "announced": announced, "digests": found}
 
 
 def own_daemon(arguments, env):

@@ -46,7 +46,7 @@ TEST(InProcess, ASessionHasTheContactsOfADaemonsSession) {
 TEST(InProcess, ACallerMayTrapFloatingPointErrors) {
   std::vector<std::string> digests;
   for (const int trapped : {0, FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW | FE_UNDERFLOW}) {
-    feenableexcept(trapped);
+    if (feenableexcept(trapped) == -1) GTEST_SKIP() << "this processor has no traps";  // as most of arm64
     Session session = open_session(local());
     for (uint64_t id = 1; id <= 3; ++id) digests.push_back(digest(detect(session, id)));
     EXPECT_EQ(fegetexcept(), trapped);
