@@ -97,7 +97,7 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
     @classmethod
     def tearDownClass(cls):
         """The page lists nothing that no command prints, but for what only some machines or failures show."""
-        rare = {"local_refusal", "vtp", "ply", "failure"}
+        rare = {"local_refusal", "vtp", "ply", "failure", "reason"}
         end_to_end = {"bare_ms", "transports", "engine_ms", "overhead_ms", "overhead_to_bare_tcp", "overhead_to_held_tcp",
                       "decode_ms", "encode_ms"}  # which takes long: end_to_end_test.py reads them
         left = set(cls.KEYS) - cls.seen - rare - end_to_end

@@ -8,6 +8,7 @@ import concurrent.futures.thread  # noqa: F401
 import ctypes.util  # noqa: F401
 import importlib.abc
 import multiprocessing.util  # noqa: F401
+import os
 import subprocess  # noqa: F401
 import sys
 import tempfile  # noqa: F401
@@ -59,5 +60,6 @@ def pretend(system):
         for attribute in list(vars(has)):
             if any(attribute == name or (name.endswith("_") and attribute.startswith(name)) for name in names):
                 delattr(has, attribute)
+    os.process_cpu_count = os.cpu_count  # Python 3.13's own calls sched_getaffinity, where Linux has it
     sys.platform = system  # os.name stays: pathlib chose its classes by it
     return loop
