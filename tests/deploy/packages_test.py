@@ -106,7 +106,8 @@ class Packages(unittest.TestCase):
         # A virtual package has another name here: the one that provides it.
         (virtual,) = (name for name in libraries if name not in names)
         self.assertRegex(virtual, r"^libspdlog[\d.]+-fmt\d+$")
-        self.assertEqual(names["libgrpc29"], run("dpkg-query", "-W", "-f", "${Version}", "libgrpc29"))
+        grpc = next(name for name in libraries if re.match(r"libgrpc\d", name))
+        self.assertEqual(names[grpc], run("dpkg-query", "-W", "-f", "${Version}", grpc))
         for relation in document["relationships"]:
             for end in ("spdxElementId", "relatedSpdxElement"):
                 self.assertIn(relation[end], {*packages, "SPDXRef-DOCUMENT"})

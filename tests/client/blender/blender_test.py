@@ -6,6 +6,7 @@ usage: blender_test.py headless|window DAEMON REPOSITORY
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -31,6 +32,14 @@ def skip_without_programs():
         if shutil.which(program) is None:
             print(f"skipped: {program} is not installed (Debian: {package})")
             sys.exit(77)
+
+
+def skip_without_its_blender():
+    """The add-on is for Blender 3.4 to 3.6, and says so in others."""
+    version = subprocess.run(["blender", "--version"], capture_output=True, text=True, timeout=60).stdout.splitlines()[0]
+    if re.match(r"Blender 3\.[456]\b", version) is None:
+        print(f"skipped: this is {version}, and the add-on is for Blender 3.4 to 3.6")
+        sys.exit(77)
 
 
 def display(out):
@@ -59,6 +68,7 @@ def run(folder, server, *options, **environment):
 
 def main():
     skip_without_programs()
+    skip_without_its_blender()
     screen = None
     daemon = Daemon(DAEMON)
     try:

@@ -33,6 +33,8 @@ from daemon import Daemon  # noqa: E402
 FLOOR = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0]], "<f4")
 TIP = np.array([[1, 1, 1], [1.25, 1, 9], [1, 1.25, 9]], "<f4")
 ONE = np.array([[0, 1, 2]], "<u4")
+# Python's switches, by which a warning is an error. protobuf 3.21, which Debian 13 has, makes two of its own on Python 3.13.
+STRICT = ("-W", "error", "-W", "ignore:Type google:DeprecationWarning", "-W", "ignore:datetime.datetime.utcfromtimestamp:DeprecationWarning")
 STREAMS = ("grpc", "shared_memory")
 TRANSPORTS = (*STREAMS, "calls")
 

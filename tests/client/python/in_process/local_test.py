@@ -15,7 +15,7 @@ import unittest
 import warnings
 from unittest import mock
 
-from support import DAEMON, FLOOR, ONE, TIP, lowered, meshes
+from support import DAEMON, FLOOR, ONE, STRICT, TIP, lowered, meshes
 
 import numpy as np
 
@@ -257,7 +257,7 @@ class TheLibrary(unittest.TestCase):
                    "W = V - [0, 0, 2] * np.array([[0]] * 3 + [[1]] * 3)\n"
                    "print(collided.detect(V, W, [[0, 1, 2], [3, 4, 5]], server='local').toi.round(9).tolist())\n")
         kept = {name: os.environ[name] for name in ("PYTHONPATH", "COLLIDED_LIBRARY")}
-        done = subprocess.run([sys.executable, "-W", "error", "-c", program], text=True, capture_output=True, timeout=60,
+        done = subprocess.run([sys.executable, *STRICT, "-c", program], text=True, capture_output=True, timeout=60,
                               env={**kept, "PATH": "/nowhere"}, check=False)
         self.assertEqual((done.stdout, done.stderr), ("[0.5]\n", ""))
 

@@ -13,7 +13,7 @@ import tempfile
 import unittest
 
 import collided
-from support import COLLIDECTL, DAEMON, FLOOR, ONE, TIP, lowered, main, np
+from support import COLLIDECTL, DAEMON, FLOOR, ONE, STRICT, TIP, lowered, main, np
 
 SCRIPT = """#!{python}
 import sys
@@ -89,7 +89,7 @@ class Programs(unittest.TestCase):
         detect = (f"import collided, numpy as np; v = np.array({np.vstack([FLOOR, TIP]).tolist()}); "
                   f"w = np.array({np.vstack([FLOOR, lowered(2)]).tolist()}); "
                   f"print(collided.detect(v, w, {[*ONE.tolist(), [3, 4, 5]]}).elements.tolist())")
-        done = self.run_python("-W", "error", "-c", detect, PATH=f"{self.bin}{os.pathsep}{os.defpath}")
+        done = self.run_python(*STRICT, "-c", detect, PATH=f"{self.bin}{os.pathsep}{os.defpath}")
         self.assertEqual((done.stdout, done.stderr), ("[[3, 0]]\n", ""))
 
     def test_the_scripts_become_the_programs(self):
