@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <memory>
 #include <sstream>
 
@@ -51,6 +52,21 @@ ParsedConfig stop(const ConfigError& error) {
   return parsed;
 }
 
+void take_variable(CLI::Option& option) {
+  if (option.get_envname().empty() || option.count() > 0) return;
+  const char* const value = std::getenv(option.get_envname().c_str());
+  if (value == nullptr || *value == 0) return;
+  option.add_result(value);
+  option.run_callback();
+}
+
+// Gives options without a flag the values of their variables. CLI11 2.4 does not do that in a group of options of which
+// none has a flag, and passes over a value that the option refuses. Throws CLI::ParseError.
+void take_environment(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) take_variable(*option);
+  for (CLI::App* group : app.get_subcommands([](CLI::App*) { return true; })) take_environment(*group);
+}
+
 }  // namespace
 
 std::string variable_of(const std::string& flag) {
@@ -67,6 +83,7 @@ ParsedConfig parse_config(int argc, const char* const* argv, const std::string& 
   define_options(app, parsed.config, switches);
   try {
     app.parse(argc, argv);
+    take_environment(app);
     // Not by CLI11's own set_config, which lets the file override the environment.
     if (!switches.config_file.empty()) take_file(app, switches.config_file);
     check_rules(parsed.config);

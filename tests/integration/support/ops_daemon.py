@@ -71,7 +71,7 @@ class Folder(tempfile.TemporaryDirectory):
         return ["--tls-certificate", self.path("server.pem"), "--tls-key", self.path("server.key")]
 
     def sign(self, name, subject, ca, days=2):
-        """A certificate for `subject`, and its key; expired if `days` is negative."""
+        """A certificate for `subject`, and its key; with 0 days it ends in the second in which it begins."""
         self.openssl(f"req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN={subject} "
                      f"-keyout {name}.key -out {name}.csr")
         self.put("san", f"subjectAltName=DNS:{subject}\n")
