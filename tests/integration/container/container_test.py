@@ -4,8 +4,8 @@ the Containerfile against what it says. Usage: container_test.py DAEMON COLLIDEC
 
 import os
 import pathlib
+import platform
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -43,7 +43,7 @@ def package_of(path):
 
 
 class Packages(unittest.TestCase):
-    @unittest.skipUnless(shutil.which("dpkg-query"), "not a Debian system")
+    @unittest.skipUnless(platform.freedesktop_os_release().get("VERSION_CODENAME") == "bookworm", "images are of Debian 12")
     def test_the_image_has_what_the_programs_and_the_entrance_need_and_nothing_else(self):
         needed = {package_of(path) for program in (PROGRAM, COLLIDECTL) for path in libraries(program)} - OF_EVERY_IMAGE
         listed = run(CONTAINER / "runtime-packages", "--list").stdout.split()

@@ -65,7 +65,7 @@ class Folder(tempfile.TemporaryDirectory):
         """ca, server (localhost), client (sim-1) and stranger (of another CA), each with .pem and .key."""
         for ca in ("ca", "other"):
             self.openssl(f"req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN={ca} "
-                         f"-keyout {ca}.key -out {ca}.pem")
+                         f"-addext keyUsage=critical,keyCertSign -keyout {ca}.key -out {ca}.pem")
         for name, subject, ca in (("server", "localhost", "ca"), ("client", "sim-1", "ca"), ("stranger", "x", "other")):
             self.sign(name, subject, ca)
         return ["--tls-certificate", self.path("server.pem"), "--tls-key", self.path("server.key")]
@@ -74,7 +74,8 @@ class Folder(tempfile.TemporaryDirectory):
         """A certificate for `subject`, and its key; with 0 days it ends in the second in which it begins."""
         self.openssl(f"req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN={subject} "
                      f"-keyout {name}.key -out {name}.csr")
-        self.put("san", f"subjectAltName=DNS:{subject}\n")
+        # Python 3.13 asks for whose key signed it, and the authority for what its key is for.
+        self.put("san", f"subjectAltName=DNS:{subject}\nauthorityKeyIdentifier=keyid\n")
         self.openssl(f"x509 -req -in {name}.csr -CA {ca}.pem -CAkey {ca}.key -CAcreateserial -extfile san -days {days} "
                      f"-out {name}.pem")
 
