@@ -15,9 +15,9 @@ ROOMS = {
     "frames": {"arrays", "choices", "errors", "layout", "meshes", "options", "positions"},
     "contacts": {"errors", "frames", "layout"},
     "connection": {"arrays", "choices", "errors", "layout", "leftovers", "options", "programs"},
-    "in_process": {"connection", "errors", "frames", "layout", "options"},
+    "in_process": {"connection", "errors", "frames", "layout", "options", "programs"},
     "transport": {"connection", "errors", "frames", "in_process"},
-    "gpu": {"contacts", "errors", "frames", "layout", "leftovers", "scene", "transport"},
+    "gpu": {"contacts", "errors", "frames", "in_process", "layout", "leftovers", "scene", "transport"},
 }
 # Packages of others, and where they may be used; numpy everywhere.
 OTHERS = {"grpc": ("errors", "connection", "transport"), "google": ("errors", "transport"), "pandas": ("contacts",)}

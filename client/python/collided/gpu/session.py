@@ -15,9 +15,9 @@ from collided.frames.updates import Update
 from collided.gpu.arrays import incoming, is_on_device
 from collided.gpu.contacts import DeviceContacts
 from collided.gpu.cuda import Cuda
+from collided.gpu.in_process import DeviceTransport, Rooms
 from collided.gpu.memory import DeviceMemory, OutputMemory
 from collided.in_process.client import LocalClient
-from collided.in_process.device import DeviceTransport, Rooms
 from collided.layout import Layout
 from collided.leftovers import Leftover
 from collided.scene import Scene
