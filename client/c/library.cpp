@@ -94,45 +94,42 @@ std::unique_ptr<collided_result> detect(const SceneUse& scene, FrameInput frame)
   return result;
 }
 
-/// The first number of a column, or null if it is not shown.
-template <class Number, class T>
-const Number* column_of(const collided_result& result, ContactField field, const Column<T>& column) {
-  if (column.empty() || !result.fields.has(field)) return nullptr;
-  return reinterpret_cast<const Number*>(column.data());
+/// `values` has something for each field; find(field, that) is where a field's numbers are, or null if it has none.
+template <class PerFields, class Find>
+collided_contacts columns_of(uint64_t count, const PerFields& values, const Find& find) {
+  const auto column = [&]<class Number>(const Number*& to, ContactField field, const auto& value) {
+    to = static_cast<const Number*>(find(field, value));
+  };
+  collided_contacts contacts{};
+  contacts.count = count;
+  column(contacts.elements, ContactField::kElements, values.elements);
+  column(contacts.toi, ContactField::kToi, values.toi);
+  column(contacts.distance, ContactField::kDistance, values.distance);
+  column(contacts.weights, ContactField::kWeights, values.weights);
+  column(contacts.normals, ContactField::kNormals, values.normals);
+  column(contacts.flags, ContactField::kFlags, values.flags);
+  return contacts;
 }
 
 collided_contacts contacts_of(const collided_result& result, ContactKind kind) {
   const ContactSet& set = value_of(static_cast<const PerKind<ContactSet>&>(result.frame), kind);
   const std::vector<ContactVertices>& stencils = value_of(result.stencils, kind);
-  collided_contacts contacts{};
-  contacts.count = set.size();
-  contacts.elements = column_of<uint32_t>(result, ContactField::kElements, set.elements);
+  const auto find = [&](ContactField field, const auto& column) -> const void* {
+    return column.empty() || !result.fields.has(field) ? nullptr : column.data();
+  };
+  collided_contacts contacts = columns_of(set.size(), set, find);
   contacts.stencils = stencils.empty() ? nullptr : stencils.front().data();
-  contacts.toi = column_of<double>(result, ContactField::kToi, set.toi);
-  contacts.distance = column_of<double>(result, ContactField::kDistance, set.distance);
-  contacts.weights = column_of<double>(result, ContactField::kWeights, set.weights);
-  contacts.normals = column_of<float>(result, ContactField::kNormals, set.normals);
-  contacts.flags = column_of<uint8_t>(result, ContactField::kFlags, set.flags);
   return contacts;
-}
-
-/// The first number of a column in the room, or null if it has none there.
-template <class Number>
-const Number* array_of(const collided_result& result, const ArrayRange& range) {
-  return range.bytes == 0 ? nullptr : reinterpret_cast<const Number*>(result.room + range.offset);
 }
 
 collided_contacts contacts_in_room_of(const collided_result& result, ContactKind kind) {
   const PlacedContacts& placed = value_of(result.frame.placed, kind);
-  collided_contacts contacts{};
-  contacts.count = placed.count;
-  contacts.elements = array_of<uint32_t>(result, placed.elements);
-  contacts.stencils = array_of<uint32_t>(result, placed.stencils);
-  contacts.toi = array_of<double>(result, placed.toi);
-  contacts.distance = array_of<double>(result, placed.distance);
-  contacts.weights = array_of<double>(result, placed.weights);
-  contacts.normals = array_of<float>(result, placed.normals);
-  contacts.flags = array_of<uint8_t>(result, placed.flags);
+  const auto at = [&](const ArrayRange& range) -> const void* {
+    return range.bytes == 0 ? nullptr : result.room + range.offset;
+  };
+  collided_contacts contacts =
+      columns_of(placed.count, placed, [&](ContactField, const ArrayRange& range) { return at(range); });
+  contacts.stencils = static_cast<const uint32_t*>(at(placed.stencils));
   return contacts;
 }
 
