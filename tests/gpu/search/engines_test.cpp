@@ -258,15 +258,22 @@ class AutoComparesEngines : public OnBackend<::testing::Test> {
   std::unique_ptr<Detector> detector_;
 };
 
+// Times decide, and a busy machine distorts them: a later comparison may still run after kFrames frames, and one whose
+// frames take too long is given up for good, so that a detector may know nothing.
 TEST_F(AutoComparesEngines, WithTheSameAnswers) {
-  begin(settings_of(Engine::kAuto, Mode::kCcd));
-  const FrameResult first = next_frame();
+  constexpr int kDetectors = 8;
   FrameResult last;
   int trials = 0;
-  for (int frame = 1; frame < kFrames; ++frame) {
-    last = next_frame();
-    EXPECT_TRUE(same_contacts(first, last)) << frame;
-    trials += last.broad_phase.reason == EngineReason::kTrial;
+  for (int detector = 0; detector < kDetectors && last.broad_phase.reason != EngineReason::kFaster; ++detector) {
+    begin(settings_of(Engine::kAuto, Mode::kCcd));
+    const FrameResult first = next_frame();
+    last = first;
+    const auto is_compared = [&] { return last.broad_phase.reason == EngineReason::kTrial; };
+    for (int frame = 1; frame < kFrames || (is_compared() && frame < 2 * kFrames); ++frame) {
+      last = next_frame();
+      EXPECT_TRUE(same_contacts(first, last)) << frame;
+      trials += is_compared();
+    }
   }
   EXPECT_GE(trials, 1);
   ASSERT_EQ(last.broad_phase.reason, EngineReason::kFaster);
