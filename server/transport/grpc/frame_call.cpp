@@ -89,8 +89,8 @@ void FrameCall::on_read(bool ok) {
     const std::lock_guard lock(mutex_);
     if (status_) return;
     if (!ok) {
-      has_read_all_ = true;
-      return end_if_idle_locked();
+      flow_.half_close();
+      return end_if_complete_locked();
     }
     bytes.Swap(&incoming_);
   }
@@ -149,9 +149,8 @@ DecodedRequest FrameCall::decode(const grpc::ByteBuffer& bytes, IncomingFrame& i
 
 void FrameCall::open(const pb::OpenStream& open) {
   const StreamTerms terms = parse_open(open, host_.limits());
-  window_ = terms.window;
   auto scene = host_.scenes().find(caller_.client, open.scene_id());
-  take_ticket(*scene, open.resume_token());
+  take_ticket(*scene, open.resume_token(), terms.window);
   auto session =
       FrameSession::open(std::move(scene), open.resume_token(), terms.delivery, shared_from_this(), caller_.ids);
   {
@@ -161,61 +160,57 @@ void FrameCall::open(const pb::OpenStream& open) {
   }
   session->scene().charge_to(caller_.client->turn_path());
   host_.tell_of_stop(*session);
-  log_stream_opened(kKind, session->scene(), window_, caller_.ids);
+  log_stream_opened(kKind, session->scene(), terms.window, caller_.ids);
 }
 
 // From now on the call counts as one of the client's streams, not as a waiting call.
-void FrameCall::take_ticket(const Scene& scene, const std::string& resume_token) {
+void FrameCall::take_ticket(const Scene& scene, const std::string& resume_token, uint32_t window) {
   auto ticket = host_.begin_stream(caller_.client, scene, resume_token);
   const std::lock_guard lock(mutex_);
   opening_.reset();
-  owes_opened_ = true;
+  flow_.open(window);
   if (!status_) ticket_ = std::move(ticket);
 }
 
 void FrameCall::submit(IncomingFrame incoming) {
+  incoming.answer_bytes_per_contact = session_->scene().plan()->fields.made_bytes();
+  PendingFrame frame = admit_frame(host_, session_->scene(), std::move(incoming));
   {
     const std::lock_guard lock(mutex_);
-    ++in_flight_;
-    if (incoming.message.has_edit()) edit_in_flight_ = incoming.message.frame_id();
+    flow_.submit(frame.frame_id, frame.input.edit != nullptr);
   }
-  incoming.answer_bytes_per_contact = session_->scene().plan()->fields.made_bytes();
-  session_->submit(admit_frame(host_, session_->scene(), std::move(incoming)));
+  session_->submit(std::move(frame));
 }
 
 // The message counts against the scene's quota: with many meshes it is long, and the client may not take it.
 void FrameCall::opened(const Scene& scene) try {
   std::vector<EncodedMessage> messages;
-  messages.push_back(encode(opened_message(scene, window_)));
+  messages.push_back(encode(opened_message(scene, flow_.window())));
   const auto held = std::make_shared<MemoryHold>(scene.quota());
   held->resize(messages.front().size);
   messages.front().held = held;
   send(std::move(messages));
-  end_opening();
+  const std::lock_guard lock(mutex_);
+  flow_.opened();
+  end_if_complete_locked();
 } catch (...) {
   fail();
 }
 
 void FrameCall::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
-  end_edit(frame->frame_id);
+  take_outcome(frame->frame_id);
   send(encode_answer(scene, frame, kMaxChunkBytes));
 }
 
 void FrameCall::refused(uint64_t frame_id, const Failure& failure) {
-  end_edit(frame_id);
+  take_outcome(frame_id);
   send(refusal_message(frame_id, failure));
 }
 
-void FrameCall::end_opening() {
+// The next frame is read once the message about this one has gone.
+void FrameCall::take_outcome(uint64_t frame_id) {
   const std::lock_guard lock(mutex_);
-  owes_opened_ = false;
-  end_if_idle_locked();
-}
-
-// Once the message that tells it has gone, the next frame is read.
-void FrameCall::end_edit(uint64_t frame_id) {
-  const std::lock_guard lock(mutex_);
-  if (edit_in_flight_ == frame_id) edit_in_flight_.reset();
+  flow_.answer(frame_id);
 }
 
 void FrameCall::skipped(uint64_t frame_id) { send(skipped_message(frame_id)); }
@@ -240,8 +235,7 @@ uint64_t FrameCall::outgoing_bytes() const {
 }
 
 void FrameCall::read_locked() {
-  const bool must_wait = session_ && (in_flight_ >= window_ || edit_in_flight_);
-  if (is_reading_ || has_read_all_ || status_ || must_wait) return;
+  if (is_reading_ || !flow_.may_read()) return;
   is_reading_ = true;
   stream_.Read(&incoming_, read_.send());
 }
@@ -276,13 +270,13 @@ void FrameCall::on_written(bool ok) {
   is_writing_ = false;
   if (status_) return finish_locked();
   if (!ok) return end_locked(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
-  if (outgoing_.front().ends_frame) --in_flight_;
+  if (outgoing_.front().ends_frame) flow_.release();
   outgoing_bytes_ -= outgoing_.front().size;
   outgoing_.pop_front();
   if (session_) session_->hold(outgoing_bytes_ > kMaxOutgoing);
   write_locked();
   read_locked();
-  end_if_idle_locked();
+  end_if_complete_locked();
 }
 
 // Arrives for every call that was accepted. If it was cancelled, waiting and running frames notice, and stop. Until
@@ -298,14 +292,15 @@ void FrameCall::on_gone(bool) {
     tell_end(is_cancelled ? grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone") : grpc::Status::OK);
 }
 
-void FrameCall::end_if_idle_locked() {
-  if (has_read_all_ && !owes_opened_ && in_flight_ == 0 && outgoing_.empty()) end_locked(grpc::Status::OK);
+void FrameCall::end_if_complete_locked() {
+  if (flow_.is_complete() && outgoing_.empty()) end_locked(grpc::Status::OK);
 }
 
 // Drops unsent messages: a client that resumes is told the last frame that was applied.
 void FrameCall::end_locked(const grpc::Status& status) {
   if (status_) return;
   status_ = status;
+  flow_.end();
   if (!status.ok()) tell_end(status);  // else once it is known whether the client is still there
   if (session_) session_->close();
   if (status.ok() || status.error_code() == grpc::StatusCode::CANCELLED) abandon_locked();

@@ -9,6 +9,7 @@
 #include "server/frames/decode.hpp"
 #include "server/frames/intake.hpp"
 #include "server/frames/session.hpp"
+#include "server/frames/stream_flow.hpp"
 #include "server/refusals/status.hpp"
 #include "server/transport/grpc/caller.hpp"
 #include "server/transport/grpc/encode.hpp"
@@ -65,10 +66,9 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   Expected expected() const;
   DecodedRequest decode(const grpc::ByteBuffer& bytes, IncomingFrame& incoming) const;
   void open(const pb::OpenStream& open);
-  void take_ticket(const Scene& scene, const std::string& resume_token);
+  void take_ticket(const Scene& scene, const std::string& resume_token, uint32_t window);
   void submit(IncomingFrame incoming);
-  void end_edit(uint64_t frame_id);
-  void end_opening();
+  void take_outcome(uint64_t frame_id);
   void fail();
   void send(const pb::StreamFramesResponse& response);
   void send(std::vector<EncodedMessage> messages);
@@ -81,7 +81,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   void abandon_locked();
   void finish_locked();
   void drop_outgoing_locked();
-  void end_if_idle_locked();
+  void end_if_complete_locked();
 
   FrameCalls& calls_;
   SceneHost& host_;
@@ -93,8 +93,7 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
       written_{*this, &FrameCall::on_written}, finished_{*this, &FrameCall::on_finished},
       gone_{*this, &FrameCall::on_gone}, lingered_{*this, &FrameCall::on_linger};
 
-  Caller caller_;        // set before the first read
-  uint32_t window_ = 0;  // set by the opening
+  Caller caller_;  // set before the first read
 
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;
@@ -102,12 +101,9 @@ class FrameCall final : public FrameSink, public std::enable_shared_from_this<Fr
   std::shared_ptr<void> ticket_;                 // counts the stream as open
   std::deque<EncodedMessage> outgoing_;
   size_t outgoing_bytes_ = 0;
-  bool owes_opened_ = false;  // the client, even one that has half-closed
-  uint32_t in_flight_ = 0;    // frames whose answer has not been fully written
-  // A frame with an edit that has no answer yet: later frames are checked against what it makes of the scene.
-  std::optional<uint64_t> edit_in_flight_;
+  StreamFlow flow_;                     // an answer has left once it is fully written
   std::optional<grpc::Status> status_;  // of the call, once decided
-  bool is_reading_ = false, is_writing_ = false, has_read_all_ = false, is_finishing_ = false;
+  bool is_reading_ = false, is_writing_ = false, is_finishing_ = false;
   bool is_abandoned_ = false;
 };
 

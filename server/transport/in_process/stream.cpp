@@ -60,6 +60,7 @@ std::shared_ptr<InProcessStream> InProcessStream::open(const pb::OpenStream& ope
   stream->ticket_ = rules.host.begin_stream(client, *scene, open.resume_token());
   stream->terms_ = parse_open(open, rules.host.limits());
   stream->scene_id_ = scene->id();
+  stream->flow_.open(stream->terms_.window);
   stream->begin(
       FrameSession::open(std::move(scene), open.resume_token(), stream->terms_.delivery, stream, stream->ids_));
   rules.host.tell_of_stop(*stream->session_);
@@ -76,7 +77,7 @@ void InProcessStream::begin(std::shared_ptr<FrameSession> session) {
 
 void InProcessStream::await_edit() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return !edit_id_ || end_; });
+  changed_.wait(lock, [&] { return !flow_.has_edit() || end_; });
 }
 
 // A slot has one room, so that it is as large as it can ever be once the caller writes there itself.
@@ -154,9 +155,8 @@ bool InProcessStream::submit(LentFrame frame) {
   PendingFrame pending = admit_frame(rules_.host, scene, std::move(incoming));
   {
     const std::lock_guard lock(mutex_);
-    if (end_ || is_half_closed_) return false;
-    ++in_flight_;
-    if (pending.input.edit) edit_id_ = pending.frame_id;
+    if (!flow_.accepts()) return false;
+    flow_.submit(pending.frame_id, pending.input.edit != nullptr);
   }
   session_->submit(std::move(pending));
   return true;
@@ -177,8 +177,8 @@ InProcessStream::Arrival InProcessStream::read(InProcessAnswer& answer, Time dea
 
 void InProcessStream::half_close() {
   const std::lock_guard lock(mutex_);
-  is_half_closed_ = true;
-  end_if_idle_locked();
+  flow_.half_close();
+  end_if_complete_locked();
 }
 
 void InProcessStream::cancel() {
@@ -195,8 +195,8 @@ Failure InProcessStream::end() const {
 void InProcessStream::opened(const Scene& scene) {
   push({opened_message(scene, terms_.window), {}});
   const std::lock_guard lock(mutex_);
-  owes_opened_ = false;
-  end_if_idle_locked();
+  flow_.opened();
+  end_if_complete_locked();
 }
 
 void InProcessStream::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
@@ -232,19 +232,22 @@ void InProcessStream::push(InProcessAnswer answer, std::optional<uint64_t> answe
   const std::lock_guard lock(mutex_);
   if (end_) return;
   answers_.push_back(std::move(answer));
-  if (answered_frame) --in_flight_;
-  if (answered_frame == edit_id_) edit_id_.reset();
-  end_if_idle_locked();
+  if (answered_frame) {
+    flow_.answer(*answered_frame);
+    flow_.release();
+  }
+  end_if_complete_locked();
   changed_.notify_all();
 }
 
-void InProcessStream::end_if_idle_locked() {
-  if (is_half_closed_ && !owes_opened_ && in_flight_ == 0) end_locked({});
+void InProcessStream::end_if_complete_locked() {
+  if (flow_.is_complete()) end_locked({});
 }
 
 void InProcessStream::end_locked(const Failure& why) {
   if (end_) return;
   end_ = why;
+  flow_.end();
   ticket_.reset();
   if (session_) session_->close();
   tell_stream_ended(kKind, {.scene = scene_id_, .code = why.code, .reason = why.message}, ids_, rules_.metrics);

@@ -18,6 +18,7 @@
 #include "server/frames/intake.hpp"
 #include "server/frames/messages.hpp"
 #include "server/frames/session.hpp"
+#include "server/frames/stream_flow.hpp"
 #include "server/ops/metrics.hpp"
 #include "server/scenes/scene_host.hpp"
 
@@ -87,7 +88,7 @@ class InProcessStream final : public FrameSink, public std::enable_shared_from_t
   std::span<const std::byte> place(std::span<const std::byte> bytes, std::string* otherwise);
   void push(InProcessAnswer answer, std::optional<uint64_t> answered_frame = {});
   // `_locked`: the caller holds mutex_.
-  void end_if_idle_locked();
+  void end_if_complete_locked();
   void end_locked(const Failure& why);
 
   const InProcessRules rules_;
@@ -104,11 +105,7 @@ class InProcessStream final : public FrameSink, public std::enable_shared_from_t
   std::shared_ptr<void> ticket_;           // counts the stream as open
   std::condition_variable changed_;
   std::deque<InProcessAnswer> answers_;
-  uint64_t in_flight_ = 0;  // unanswered frames
-  std::optional<uint64_t>
-      edit_id_;  // of a frame with an edit: later ones are checked against what it makes of the scene
-  bool owes_opened_ = true;  // the caller, even one that has half-closed
-  bool is_half_closed_ = false;
+  StreamFlow flow_;             // an answer has left once read() can return it
   std::optional<Failure> end_;  // once it has ended
 };
 

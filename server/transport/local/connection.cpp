@@ -127,9 +127,7 @@ void Connection::await_outbox_locked(Wait& wait) const {
     wait.events |= POLLOUT;
 }
 
-bool Connection::may_read_locked() const {
-  return !closed_ && !read_all_ && !edit_in_flight_ && (!session_ || in_flight_ < opening_.terms.window);
-}
+bool Connection::may_read_locked() const { return flow_.may_read(); }
 
 short Connection::wait(const Wait& wait) const {
   pollfd states[] = {{socket_.get(), wait.events, 0}, {wake_.get(), POLLIN, 0}};
@@ -164,8 +162,8 @@ void Connection::take(Packet packet) {
   }
   if (packet.arrival == Arrival::kEnd) {
     const std::lock_guard lock(mutex_);
-    read_all_ = true;
-    return end_if_idle_locked();
+    flow_.half_close();
+    return end_if_complete_locked();
   }
   pb::LocalRequest request;
   if (!request.ParseFromArray(packet.bytes.data(), static_cast<int>(packet.bytes.size())))
@@ -190,7 +188,7 @@ void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) 
   writer_ = std::make_unique<AnswerWriter>(opening_.region, opening_.terms.window);
   {
     const std::lock_guard lock(mutex_);
-    owes_opened_ = true;
+    flow_.open(opening_.terms.window);
   }
   auto session =
       FrameSession::open(opening_.scene, open.open().resume_token(), opening_.terms.delivery, shared_from_this(), ids_);
@@ -223,8 +221,7 @@ void Connection::submit(pb::LocalRequest& request) {
   PendingFrame frame = admit(scene, std::move(incoming));
   {
     const std::lock_guard lock(mutex_);
-    ++in_flight_;
-    if (frame.input.edit) edit_in_flight_ = frame.frame_id;
+    flow_.submit(frame.frame_id, frame.input.edit != nullptr);
   }
   session_->submit(std::move(frame));
 }
@@ -246,27 +243,25 @@ PendingFrame Connection::admit(Scene& scene, IncomingFrame incoming) {
 void Connection::opened(const Scene& scene) {
   send({opened_packet(scene, opening_.terms.window)}, false);
   const std::lock_guard lock(mutex_);
-  owes_opened_ = false;
-  end_if_idle_locked();
+  flow_.opened();
+  end_if_complete_locked();
 }
 
 void Connection::answered(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame) {
-  end_edit(frame->frame_id);
+  take_outcome(frame->frame_id);
   send(writer_->write(scene, *frame), true, frame->result.held);
 }
 
 void Connection::refused(uint64_t frame_id, const Failure& failure) {
-  end_edit(frame_id);
+  take_outcome(frame_id);
   writer_->skip();
   send({to_packet(refusal_message(frame_id, failure))}, true);
 }
 
-// Until then the thread does not read the socket.
-void Connection::end_edit(uint64_t frame_id) {
+// The thread does not read the socket while an edit is pending.
+void Connection::take_outcome(uint64_t frame_id) {
   const std::lock_guard lock(mutex_);
-  if (edit_in_flight_ != frame_id) return;
-  edit_in_flight_.reset();
-  wake();
+  if (flow_.answer(frame_id)) wake();
 }
 
 void Connection::skipped(uint64_t frame_id) {
@@ -314,9 +309,9 @@ void Connection::send(std::vector<std::string> packets, bool ends_frame, const s
 
 // The thread does not read the socket while the window is used up.
 void Connection::end_frame_locked() {
-  if (in_flight_-- == opening_.terms.window) wake();
+  if (flow_.release()) wake();
   if (opening_.region && opening_.region->has_device_output()) stay_awake_locked();
-  end_if_idle_locked();
+  end_if_complete_locked();
 }
 
 // A simulator on the same GPU has nothing to copy: to wake two threads for its next frame would take longer than the
@@ -333,13 +328,14 @@ void Connection::flush_locked() {
   if (session_) session_->hold(!outbox_.empty());
 }
 
-void Connection::end_if_idle_locked() {
-  if (read_all_ && !owes_opened_ && in_flight_ == 0) close_locked({});
+void Connection::end_if_complete_locked() {
+  if (flow_.is_complete()) close_locked({});
 }
 
 void Connection::close_locked(const Failure& why) {
   if (closed_) return;
   closed_ = why;
+  flow_.end();
   outbox_.send(socket_.get(), closed_packet(why));
   wake();
 }

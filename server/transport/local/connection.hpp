@@ -11,6 +11,7 @@
 
 #include "server/frames/intake.hpp"
 #include "server/frames/session.hpp"
+#include "server/frames/stream_flow.hpp"
 #include "server/ops/log.hpp"
 #include "server/ops/metrics.hpp"
 #include "server/refusals/status.hpp"
@@ -67,7 +68,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   void open(const pb::LocalOpen& open, std::vector<PassedFile> files);
   void submit(pb::LocalRequest& request);
   PendingFrame admit(Scene& scene, IncomingFrame incoming);
-  void end_edit(uint64_t frame_id);
+  void take_outcome(uint64_t frame_id);
   void flush_outbox();
   void end_socket();
   void wake() const;
@@ -81,7 +82,7 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   void await_outbox_locked(Wait& wait) const;
   void end_frame_locked();
   void stay_awake_locked();
-  void end_if_idle_locked();
+  void end_if_complete_locked();
   void close_locked(const Failure& why);
 
   const OpeningRules& rules_;
@@ -100,14 +101,11 @@ class Connection final : public FrameSink, public std::enable_shared_from_this<C
   mutable std::mutex mutex_;  // guards what follows
   std::shared_ptr<FrameSession> session_;
   Outbox outbox_;
-  uint32_t in_flight_ = 0;  // unanswered frames
-  // One with an edit: later frames are checked against what it makes of the scene.
-  std::optional<uint64_t> edit_in_flight_;
+  StreamFlow flow_;                // an answer has left once the outbox has it
   std::optional<Failure> closed_;  // why the stream ends, once decided
   Clock::time_point awake_until_ = Clock::time_point::min();
-  bool is_opening_ = false;   // from the opening on
-  bool owes_opened_ = false;  // the client, even one that has half-closed
-  bool read_all_ = false, is_stopping_ = false;
+  bool is_opening_ = false;  // from the opening on
+  bool is_stopping_ = false;
 };
 
 }  // namespace collided::server
