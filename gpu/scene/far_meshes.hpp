@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "gpu/step/buffers.hpp"
+#include "gpu/state/buffers.hpp"
 
 namespace collided {
 

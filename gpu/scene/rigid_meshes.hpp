@@ -14,8 +14,8 @@
 #include "gpu/positions/checks.hpp"
 #include "gpu/positions/rigid_arc.hpp"
 #include "gpu/positions/slot.hpp"
-#include "gpu/search/boxes.hpp"
-#include "gpu/step/buffers.hpp"
+#include "gpu/boxes/boxes.hpp"
+#include "gpu/state/buffers.hpp"
 
 namespace collided {
 

@@ -3,7 +3,7 @@
 // What is refined affects speed alone, so both guards may be rough: a brick is opened only where many triangles are,
 // and below a brick only if its triangles did not spread over too many of its cells.
 
-#include "gpu/octree/count.hpp"
+#include "gpu/engines/octree/count.hpp"
 
 namespace collided {
 

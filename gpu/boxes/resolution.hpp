@@ -1,8 +1,8 @@
 #pragma once
 // How fine the positions are, compared with the scene's triangles.
 
+#include "gpu/boxes/boxes.hpp"
 #include "gpu/exec/atomic.hpp"
-#include "gpu/search/boxes.hpp"
 
 namespace collided {
 

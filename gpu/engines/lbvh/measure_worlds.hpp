@@ -3,9 +3,9 @@
 // They are those of a scene of its own, so that its contacts are.
 
 #include "gpu/base/extent.hpp"
+#include "gpu/boxes/boxes.hpp"
 #include "gpu/exec/counted.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
-#include "gpu/search/boxes.hpp"
 
 namespace collided {
 

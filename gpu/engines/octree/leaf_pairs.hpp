@@ -6,8 +6,8 @@
 #include "gpu/base/lattice.hpp"
 #include "gpu/base/mesh_filter.hpp"
 #include "gpu/base/tiles.hpp"
-#include "gpu/octree/control_bits.hpp"
-#include "gpu/octree/count.hpp"
+#include "gpu/engines/octree/control_bits.hpp"
+#include "gpu/engines/octree/count.hpp"
 
 namespace collided {
 

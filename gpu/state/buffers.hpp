@@ -1,20 +1,19 @@
 #pragma once
-// Everything that a scene keeps on its backend. Arrays of stages that the scene does not have stay empty.
+// Everything that a scene keeps on its backend but what engines build (each has its own). Arrays of stages that the
+// scene does not have stay empty.
 
 #include <array>
 #include <utility>
 
+#include "gpu/boxes/measure.hpp"
 #include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/order.hpp"
 #include "gpu/contacts/place.hpp"
 #include "gpu/exec/buffer.hpp"
-#include "gpu/lbvh/lbvh.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
-#include "gpu/octree/leaf_pairs.hpp"
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
-#include "gpu/search/measure.hpp"
-#include "gpu/step/state.hpp"
+#include "gpu/state/state.hpp"
 #include "gpu/types.hpp"
 
 namespace collided {
@@ -69,105 +68,6 @@ struct ResidentTopology {
   Buffer<uint32_t, Exec> ring_begin;
   Buffer<uint32_t, Exec> ring_vertices;
   Buffer<uint64_t, Exec> rest_pairs;  ///< slots of a KeySet, those of the first frame
-};
-
-/// The octree grid of one frame.
-template <Executor Exec>
-struct OctreeBuffers {
-  explicit OctreeBuffers(Exec& exec)
-      : wanted(exec, "octree"),
-        counts(exec, "octree"),
-        type(exec, "octree"),
-        slot(exec, "octree"),
-        root_cost(exec, "octree"),
-        large(exec, "octree"),
-        bricks(exec, "bricks"),
-        reach(exec, "bricks"),
-        brick_cost(exec, "bricks"),
-        brick_items(exec, "bricks"),
-        leaves(exec, "octree"),
-        cursor(exec, "octree"),
-        registered(exec, "registrations"),
-        items(exec, "octree"),
-        ordered(exec, "registrations"),
-        by_start(exec, "octree") {}
-
-  Buffer<ActiveLevels, Exec> wanted;
-  Buffer<uint32_t, Exec> counts;
-  Buffer<uint8_t, Exec> type;
-  Buffer<uint32_t, Exec> slot;
-  Buffer<float, Exec> root_cost;
-  Buffer<uint32_t, Exec> large;  ///< triangles with many cells
-  Buffer<Brick, Exec> bricks;
-  Buffer<uint32_t, Exec> reach;
-  Buffer<float, Exec> brick_cost;
-  Buffer<BrickItem, Exec> brick_items;
-  Buffer<Leaf, Exec> leaves;
-  Buffer<uint32_t, Exec> cursor;
-  Buffer<uint32_t, Exec> registered;
-  Buffer<PairItem, Exec> items;
-  Buffer<uint32_t, Exec> ordered;         ///< `registered` by control bits; kVss
-  Buffer<MembersByStart, Exec> by_start;  ///< likewise
-};
-
-/// The bounding volume hierarchy of one frame.
-template <Executor Exec>
-struct BvhBuffers {
-  explicit BvhBuffers(Exec& exec)
-      : keys{{exec, "bvh"}, {exec, "bvh"}},
-        triangles{{exec, "bvh"}, {exec, "bvh"}},
-        meeting(exec, "bvh"),
-        nodes(exec, "bvh"),
-        meshes(exec, "bvh") {}
-
-  void reserve(uint64_t leaves, bool keeps_meshes) {
-    for (auto& buffer : keys) buffer.allocate(leaves);
-    for (auto& buffer : triangles) buffer.allocate(leaves);
-    meeting.allocate(leaves);
-    nodes.allocate(2 * leaves - 2);
-    if (keeps_meshes) meshes.allocate(2 * leaves - 2);
-  }
-
-  Buffer<uint64_t, Exec> keys[2];  ///< the second is room to sort in
-  Buffer<uint32_t, Exec> triangles[2];
-  Buffer<uint32_t, Exec> meeting;
-  Buffer<BvhNode, Exec> nodes;
-  Buffer<MeshesTogether, Exec> meshes;  ///< below each node, where rules keep most pairs apart
-};
-
-/// The scene as one leaf: what the search for all pairs goes by. It changes with the number of triangles alone.
-template <Executor Exec>
-struct AllPairsBuffers {
-  explicit AllPairsBuffers(Exec& exec)
-      : leaf(exec, "all_pairs"),
-        totals(exec, "all_pairs"),
-        grid(exec, "all_pairs"),
-        members(exec, "all_pairs"),
-        items(exec, "all_pairs") {}
-
-  uint32_t triangles = 0;  ///< that the tables are of
-  Buffer<Leaf, Exec> leaf;
-  Buffer<LeafTotals, Exec> totals;
-  Buffer<LevelGrid, Exec> grid;
-  Buffer<uint32_t, Exec> members;
-  Buffer<PairItem, Exec> items;
-};
-
-/// Pairs of features that may touch in the next few frames.
-template <Executor Exec, class Real>
-struct NeighbourBuffers {
-  explicit NeighbourBuffers(Exec& exec)
-      : times(exec, "neighbours"),
-        tracks(exec, "neighbours"),
-        extrapolated(exec, "neighbours"),
-        tests{{exec, "neighbours"}, {exec, "neighbours"}},
-        counts(exec, "neighbours") {}
-
-  Buffer<TrackTimes, Exec> times;
-  Buffer<Track<Real>, Exec> tracks;       ///< of each vertex
-  Buffer<Vec3<Real>, Exec> extrapolated;  ///< positions, while lists are made
-  Buffer<uint64_t, Exec> tests[2];        ///< of each kind of features
-  Buffer<uint64_t, Exec> counts;          ///< of both
 };
 
 /// Candidates of one kind on their way through the narrow phase.
@@ -259,10 +159,6 @@ struct WorkBuffers {
         paths(exec, "records"),
         inflations(exec, "records"),
         state(exec, "counters"),
-        octree(exec),
-        bvh(exec),
-        all_pairs(exec),
-        neighbours(exec),
         triangle_pairs(exec, "pairs"),
         candidates(make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{})),
         contacts(exec),
@@ -281,10 +177,6 @@ struct WorkBuffers {
   Buffer<Path<Real>, Exec> paths;  ///< of each vertex, where records do not have them
   Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn
   Buffer<StepState, Exec> state;
-  OctreeBuffers<Exec> octree;
-  BvhBuffers<Exec> bvh;
-  AllPairsBuffers<Exec> all_pairs;
-  NeighbourBuffers<Exec, Real> neighbours;
   Buffer<uint64_t, Exec> triangle_pairs;
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   ContactBuffers<Exec, Real> contacts;
@@ -333,7 +225,6 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
   /// Nothing is expected any more: lists begin anew with what most scenes need.
   void expect_nothing(Exec& exec) {
     expected = {};
-    this->octree = OctreeBuffers<Exec>(exec);
     this->triangle_pairs = {exec, "pairs"};
     this->candidates = make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{});
     this->contacts = ContactBuffers<Exec, Real>(exec);

@@ -2,8 +2,8 @@
 // Section 3.3, first step: the cell-triangle pairs, grouped by leaf.
 // Deviation: each leaf's place is known from the counts, so the pairs are placed at once; no radix sort.
 
-#include "gpu/octree/refine.hpp"
-#include "gpu/octree/top_down.hpp"
+#include "gpu/engines/octree/refine.hpp"
+#include "gpu/engines/octree/top_down.hpp"
 
 namespace collided {
 

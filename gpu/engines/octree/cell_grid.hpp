@@ -4,8 +4,8 @@
 // only the grid and the cut are their own.
 
 #include "gpu/base/extent.hpp"
-#include "gpu/octree/levels.hpp"
-#include "gpu/octree/top_down.hpp"
+#include "gpu/engines/octree/levels.hpp"
+#include "gpu/engines/octree/top_down.hpp"
 
 namespace collided {
 

@@ -5,29 +5,10 @@
 #include <deque>
 
 #include "gpu/contacts/order.hpp"
-#include "gpu/octree/bottom_up.hpp"
-#include "gpu/octree/leaf_pairs.hpp"
-#include "gpu/octree/tree.hpp"
-#include "gpu/step/level_needs.hpp"
+#include "gpu/engines/octree/octree_plan.hpp"
+#include "gpu/state/level_needs.hpp"
 
 namespace collided {
-
-/// Of the octree grid.
-struct OctreePlan {
-  Engine engine = Engine::kOctree;
-  CutCost cost;
-  int rounds = 0;         ///< of refinement below the dense levels
-  int levels = 0;         ///< dense levels, at most
-  int base = 0;           ///< lowest dense level, at most
-  bool has_large = true;  ///< there may be triangles that cover many cells
-  /// For each triangle with a box; beyond this the step runs again.
-  uint64_t max_crowded_tests = kAnyNumberOfTests;
-
-  /// Whether the engine's stages are the octree's.
-  bool has_octree() const { return engine != Engine::kLbvh && engine != Engine::kAllPairs; }
-
-  bool operator==(const OctreePlan&) const = default;
-};
 
 /// Of the lists of neighbours that a step makes or goes by.
 struct ListPlan {
@@ -40,14 +21,17 @@ struct ListPlan {
 
 struct StepPlan {
   LevelNeeds needs = {};
-  OctreePlan octree = {};
-  bool boxes_static = true;  ///< meshes that never move are boxed too
+  Engine engine = Engine::kOctree;  ///< that searches, if the step does
+  OctreePlan octree = {};           ///< of engines on the octree's stages
+  bool boxes_static = true;         ///< meshes that never move are boxed too
   OrderPlan order = {};
   ListPlan lists = {};
   bool is_idle = false;  ///< nothing may touch: the step searches for nothing
 
-  /// Whether there are octree and hierarchy at all.
+  /// True if an engine has work: the step neither goes by lists alone nor is idle.
+  bool has_engine() const { return searches() && !is_idle; }
   bool searches() const { return lists.use != ListUse::kReused; }
+  bool makes_lists() const { return lists.use == ListUse::kMade; }
 
   bool operator==(const StepPlan&) const = default;
 };

@@ -4,7 +4,7 @@
 // level may need more than a bounded number of registrations for a triangle that has a box (one huge triangle would
 // cover all).
 
-#include "gpu/octree/top_down.hpp"
+#include "gpu/engines/octree/top_down.hpp"
 
 namespace collided {
 

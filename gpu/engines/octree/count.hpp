@@ -3,7 +3,7 @@
 // A triangle adds one to a cell however many of the cell's children it overlaps, so the paper's token test is not
 // needed here: each level's range is walked directly.
 
-#include "gpu/octree/covered.hpp"
+#include "gpu/engines/octree/covered.hpp"
 
 namespace collided {
 

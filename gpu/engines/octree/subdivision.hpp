@@ -6,8 +6,8 @@
 // lower corners holds a piece of either box.
 
 #include "gpu/base/extent.hpp"
-#include "gpu/octree/bottom_up.hpp"
-#include "gpu/octree/leaf_pairs.hpp"
+#include "gpu/engines/octree/bottom_up.hpp"
+#include "gpu/engines/octree/leaf_pairs.hpp"
 
 namespace collided {
 

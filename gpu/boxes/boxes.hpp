@@ -7,8 +7,8 @@
 #include "gpu/base/deviations.hpp"
 #include "gpu/base/lattice.hpp"
 #include "gpu/base/worlds.hpp"
+#include "gpu/boxes/records.hpp"
 #include "gpu/exec/counted.hpp"
-#include "gpu/search/records.hpp"
 
 namespace collided {
 

@@ -4,9 +4,9 @@
 
 #include "gpu/base/deviations.hpp"
 #include "gpu/contacts/kinds.hpp"
+#include "gpu/engines/octree/levels.hpp"
+#include "gpu/engines/octree/subdivision.hpp"
 #include "gpu/narrow/coplanarity_filter.hpp"
-#include "gpu/octree/levels.hpp"
-#include "gpu/octree/subdivision.hpp"
 #include "gpu/search/neighbours.hpp"
 #include "gpu/types.hpp"
 

@@ -5,7 +5,7 @@
 // Deviation: a registration may have a cost too (none, as measured), and a group works on kBrickLevels levels at once,
 // so that the whole of it takes a few launches.
 
-#include "gpu/octree/count.hpp"
+#include "gpu/engines/octree/count.hpp"
 
 namespace collided {
 

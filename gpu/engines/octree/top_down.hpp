@@ -6,7 +6,7 @@
 
 #include "gpu/base/share.hpp"
 #include "gpu/base/tiles.hpp"
-#include "gpu/octree/bottom_up.hpp"
+#include "gpu/engines/octree/bottom_up.hpp"
 
 namespace collided {
 

@@ -1,8 +1,8 @@
 #pragma once
 // The cells that a triangle covers, in a form that threads can hand to each other: how many, and which is the k-th.
 
-#include "gpu/octree/cell_walk.hpp"
-#include "gpu/octree/tree.hpp"
+#include "gpu/engines/octree/cell_walk.hpp"
+#include "gpu/engines/octree/tree.hpp"
 
 namespace collided {
 

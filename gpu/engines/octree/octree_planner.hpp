@@ -1,11 +1,10 @@
 #pragma once
 // What the octree's next step is like, from what the last ones found.
 
-#include "gpu/octree/cell_grid.hpp"
-#include "gpu/step/plan/engine_choice.hpp"
-#include "gpu/step/plan/plan.hpp"
-#include "gpu/step/plan/refinement.hpp"
-#include "gpu/step/plan/usage_predictor.hpp"
+#include "gpu/engines/octree/cell_grid.hpp"
+#include "gpu/engines/octree/octree_plan.hpp"
+#include "gpu/engines/octree/refinement.hpp"
+#include "gpu/state/usage_predictor.hpp"
 
 namespace collided {
 

@@ -2,8 +2,8 @@
 // When the octree goes on below its dense levels. Most scenes need none of that and pay nothing for it; where crowded
 // cells at the lowest level make too many tests, the step is given up before it makes them and runs again with bricks.
 
-#include "gpu/octree/leaf_pairs.hpp"
-#include "gpu/step/state.hpp"
+#include "gpu/engines/octree/leaf_pairs.hpp"
+#include "gpu/state/state.hpp"
 
 namespace collided {
 

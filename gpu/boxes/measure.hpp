@@ -5,9 +5,9 @@
 #include "gpu/base/extent.hpp"
 #include "gpu/base/mesh_filter.hpp"
 #include "gpu/base/share.hpp"
+#include "gpu/boxes/boxes.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/exec/concepts.hpp"
-#include "gpu/search/boxes.hpp"
 
 namespace collided {
 

@@ -3,7 +3,7 @@
 
 #include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/layout.hpp"
-#include "gpu/step/settings.hpp"
+#include "gpu/state/settings.hpp"
 
 namespace collided {
 
