@@ -72,10 +72,9 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec, std::function<bool()>
                                                : make_cpu_detector(std::move(spec), std::move(features));
 }
 
-void check_options(const SceneSpec& spec, const FrameInput& frame) {
-  check_spec(spec);
-  check_frame(spec, frame);
-}
+void check_options(const SceneSpec& spec) { check_spec(spec); }
+
+void check_options_of_frame(const SceneSpec& spec, const FrameInput& frame) { check_frame(spec, frame); }
 
 std::vector<DeviceInfo> list_devices(int threads) {
   std::vector<DeviceInfo> devices{cpu_device(threads)};

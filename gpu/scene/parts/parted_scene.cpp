@@ -8,12 +8,12 @@
 #include "gpu/exec/cpu/cpu_loops.hpp"
 #include "gpu/parted_quota.hpp"
 #include "gpu/scene/backends/backends.hpp"
+#include "gpu/scene/frame_checks.hpp"
 #include "gpu/scene/parts/balance.hpp"
 #include "gpu/scene/parts/crew.hpp"
 #include "gpu/scene/parts/meeting.hpp"
 #include "gpu/scene/parts/merged.hpp"
 #include "gpu/scene/parts/parted_slot.hpp"
-#include "gpu/scene/rules.hpp"
 #include "gpu/step/contact_sets.hpp"
 
 namespace collided {
@@ -44,7 +44,8 @@ class PartedScene final : public Detector {
 
   FrameResult detect(const FrameInput& frame) override {
     const DefaultFloatEnvironment environment;
-    check_frame(spec_, frame);
+    const Report report = checks_.check(spec_, frame).settings.report;
+    if (frame.edit) checks_.forget();
     frame_ = &frame;
     meeting_.begin();
     for (size_t k = 0; k < links_.size(); ++k) links_[k].share = balance_.range(k);
@@ -55,7 +56,7 @@ class PartedScene final : public Detector {
       std::rethrow_exception(meeting_.error());
     }
     if (frame.edit) spec_ = spec_like(parts_.front()->spec());
-    FrameResult result = merged(frame);
+    FrameResult result = merged(report);
     learn(result);
     forget_answers();
     return result;
@@ -150,8 +151,7 @@ class PartedScene final : public Detector {
     if (k == 0) results_[0].stages.push_back({"merge", time.milliseconds()});
   }
 
-  FrameResult merged(const FrameInput& frame) {
-    const Report report = settings_of(spec_, frame).report;
+  FrameResult merged(Report report) {
     FrameResult result = merged_facts(results_, report);
     for (size_t k = 0; k < parts_.size(); ++k)
       result.parts.push_back(
@@ -178,6 +178,7 @@ class PartedScene final : public Detector {
   }
 
   SceneSpec spec_;
+  FrameChecks checks_;
   const std::shared_ptr<AnswerRoom> room_;
   ShareBalance balance_;
   Meeting meeting_;
