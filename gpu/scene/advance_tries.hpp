@@ -1,8 +1,8 @@
 #pragma once
 // Frames that go as far as they can (step/advance.hpp): the frame's own step, and the tries of shorter ones after it.
 
-#include "gpu/scene/parts/meeting.hpp"
 #include "gpu/scene/resident_positions.hpp"
+#include "gpu/scene/shards/meeting.hpp"
 #include "gpu/scene/stage_costs.hpp"
 #include "gpu/step/advance.hpp"
 #include "gpu/step/pipeline.hpp"
@@ -12,10 +12,10 @@ namespace collided {
 template <Executor Exec, class Real>
 class AdvanceTries {
  public:
-  /// `part`: the scene is a part of another; may be null.
-  AdvanceTries(Exec& exec, const SceneSpec& spec, const PartOf* part, ResidentPositions<Exec, Real>& positions,
+  /// `shard`: the scene is a shard of another; may be null.
+  AdvanceTries(Exec& exec, const SceneSpec& spec, const ShardOf* shard, ResidentPositions<Exec, Real>& positions,
                Pipeline<Exec, Real>& pipeline)
-      : exec_(exec), spec_(spec), part_(part), positions_(positions), pipeline_(pipeline) {}
+      : exec_(exec), spec_(spec), shard_(shard), positions_(positions), pipeline_(pipeline) {}
 
   /// Returns the settings of the frame's own step, which is the first try where it asks the same question.
   FrameSettings begin(FrameSettings settings) {
@@ -39,10 +39,10 @@ class AdvanceTries {
   }
 
  private:
-  /// What all parts of the scene found; of a scene that is one: what it did. Once all have come they go on alike.
+  /// What all shards of the scene found; of a scene that is one: what it did. Once all have come they go on alike.
   Found share(const FrameResult& result) {
     const Found found{result.any_contact, result.earliest_toi};
-    return part_ == nullptr ? found : part_->meeting.meet(found, exec_.asks());
+    return shard_ == nullptr ? found : shard_->meeting.meet(found, exec_.asks());
   }
   void try_until_free(AdvanceSearch& search, const FrameSettings& attempt, FrameResult& result) {
     positions_.keep_target();
@@ -69,7 +69,7 @@ class AdvanceTries {
 
   Exec& exec_;
   const SceneSpec& spec_;
-  const PartOf* const part_;
+  const ShardOf* const shard_;
   ResidentPositions<Exec, Real>& positions_;
   Pipeline<Exec, Real>& pipeline_;
   double margin_ = 0;  ///< that the thickness of tries grows by, of the frame in work

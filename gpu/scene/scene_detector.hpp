@@ -19,19 +19,19 @@ namespace collided {
 template <Executor Exec, class Real>
 class SceneDetector final : public Detector {
  public:
-  /// `part`: the scene is a part of another; may be null.
+  /// `shard`: the scene is a shard of another; may be null.
   template <class... ExecArgs>
-  SceneDetector(SceneSpec spec, FeatureTables features, const PartOf* part, ExecArgs... args)
-      : part_(part),
+  SceneDetector(SceneSpec spec, FeatureTables features, const ShardOf* shard, ExecArgs... args)
+      : shard_(shard),
         exec_(args...),
         model_(exec_, std::move(spec), std::move(features)),
         positions_(exec_, model_.shape(), scene_),
         pipeline_(exec_, spec_, model_.counts(), scene_),
         rest_pairs_(exec_, spec_, scene_, pipeline_),
         edits_(exec_, model_, positions_, pipeline_, rest_pairs_),
-        tries_(exec_, spec_, part, positions_, pipeline_),
+        tries_(exec_, spec_, shard, positions_, pipeline_),
         told_(spec_.expected) {
-    if (part_ != nullptr) scene_.share.take(part_->share);
+    if (shard_ != nullptr) scene_.share.take(shard_->share);
   }
 
   FrameResult detect(const FrameInput& frame) override {
@@ -97,7 +97,7 @@ class SceneDetector final : public Detector {
   }
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
     const bool begins_at_rest = rest_pairs_.are_awaited();
-    if (part_ != nullptr) scene_.share.take(part_->share);
+    if (shard_ != nullptr) scene_.share.take(shard_->share);
     if (spec_.kinds.edge_edge && (settings.accuracy != Accuracy::kCandidates || begins_at_rest || frame.room.stencils))
       model_.require_edges();
     const bool boxes_static = !positions_.are_boxes_good();
@@ -122,7 +122,7 @@ class SceneDetector final : public Detector {
     FrameResult result = search(frame, settings, boxes_static);
     if (begins_at_rest) add_costs(rest, result);
     exec_.asks().ask();
-    if (part_ != nullptr) part_->take_answer(result, exec_.asks());
+    if (shard_ != nullptr) shard_->take_answer(result, exec_.asks());
     if (frame.trial) {
       positions_.end_trial();
       return result;
@@ -153,7 +153,7 @@ class SceneDetector final : public Detector {
   } catch (...) {
   }
 
-  /// The rest of a set's frame, for the worlds that take part in it.
+  /// The rest of a set's frame, for the worlds that take shard in it.
   FrameResult detect_worlds(WorldFrames worlds, Slot& slot, const FrameSettings& settings,
                             uint64_t bytes_beside_contact) {
     FrameResult result;
@@ -208,7 +208,7 @@ class SceneDetector final : public Detector {
     return *slot;
   }
 
-  const PartOf* const part_;
+  const ShardOf* const shard_;
   Exec exec_;
   SceneModel<Exec, Real> model_;
   const SceneSpec& spec_ = model_.spec();
