@@ -31,7 +31,11 @@ func Of(info *v1.GetServerInfoResponse, address string) *Features {
 }
 
 func of(info *v1.GetServerInfoResponse, address string, additions map[protoreflect.FullName]string) *Features {
-	f := &Features{daemon: fmt.Sprintf("the daemon at %s is %s", address, info.GetVersion()), missing: map[protoreflect.FullName]string{}}
+	version := info.GetVersion()
+	if version == "" {
+		version = "of an unknown version"
+	}
+	f := &Features{daemon: fmt.Sprintf("the daemon at %s is %s", address, version), missing: map[protoreflect.FullName]string{}}
 	for name, release := range additions {
 		f.missing[name] = release
 	}
