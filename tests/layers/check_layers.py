@@ -44,6 +44,7 @@ SERVER_ROOMS = {
     "config": {"config/file"},
     "net/sockets": set(),
     "net": {"net/sockets"},
+    "ops/supervisor": set(),
     "ops": {"net", "net/sockets"},
     "auth": {"config/file", "config", "ops"},
     "limits": {"ops", "auth"},
@@ -58,7 +59,6 @@ SERVER_ROOMS = {
     "batch": {"refusals", "ops", "auth", "limits", "scenes", "convert", "sets", "frames", "transport/grpc"},
     "service": {"refusals", "config", "ops", "auth", "limits", "devices", "scenes", "convert", "frames", "transport/grpc", "batch"},
     "builtin": {"refusals", "ops", "auth", "limits", "convert", "transport/grpc"},
-    "supervisor": set(),
 }
 # These headers are the engine for its users.
 ENGINE_API = {"gpu/detector.hpp", "gpu/types.hpp", "gpu/stencil.hpp"}
