@@ -14,10 +14,10 @@
 
 #include "gpu/detector.hpp"
 #include "server/auth/client.hpp"
+#include "server/devices/device_bytes.hpp"
+#include "server/devices/parted_bytes.hpp"
 #include "server/devices/served_devices.hpp"
-#include "server/limits/device_bytes.hpp"
-#include "server/limits/parted_bytes.hpp"
-#include "server/limits/turns_of_scene.hpp"
+#include "server/devices/turns_of_scene.hpp"
 #include "server/ops/clock.hpp"
 #include "server/scenes/ended_scenes.hpp"
 #include "server/scenes/scene_observer.hpp"

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "gpu/detector.hpp"
+#include "server/devices/device_bytes.hpp"
 #include "server/devices/served_devices.hpp"
-#include "server/limits/device_bytes.hpp"
 
 namespace collided::server {
 

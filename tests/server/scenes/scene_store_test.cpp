@@ -8,8 +8,8 @@
 #include <set>
 #include <thread>
 
+#include "server/devices/device_bytes.hpp"
 #include "server/errors.hpp"
-#include "server/limits/device_bytes.hpp"
 #include "tests/server/frames/session_test.hpp"
 
 namespace collided::server {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <thread>
 
-#include "server/limits/device_bytes.hpp"
+#include "server/devices/device_bytes.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 
 namespace collided::server {

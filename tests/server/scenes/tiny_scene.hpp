@@ -12,8 +12,8 @@
 #include <string>
 #include <utility>
 
+#include "server/devices/turns.hpp"
 #include "server/frames/frame.hpp"
-#include "server/limits/turns.hpp"
 #include "server/scenes/scene.hpp"
 #include "server/scenes/scene_store.hpp"
 
