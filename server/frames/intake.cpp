@@ -102,13 +102,13 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
   try {
     if (incoming.refusal) std::rethrow_exception(incoming.refusal);
     check_frame_id(message.frame_id());
-    host.usage().count_frame(scene.facts().owner);
+    host.usage().count_frame(scene.identity().owner);
     const bool is_set = frame.basis.plan->engine.worlds > 0;
     if (is_set)
       take_set_frame(message, incoming, frame);
     else
       take_frame(message, incoming, frame);
-    const Accuracy max = scene.facts().owner->limits.max_accuracy;
+    const Accuracy max = scene.identity().owner->limits.max_accuracy;
     if (frame.input.accuracy) check_max_accuracy(*frame.input.accuracy, max, "frame.accuracy");
     if (is_set) {
       send_set(scene, std::move(incoming.slot), frame.input);

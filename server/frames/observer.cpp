@@ -54,7 +54,7 @@ void ServiceObserver::resumed(const Scene&) { metrics_.count_reconnect(); }
 
 void ServiceObserver::expired(const Scene& scene) {
   log_event(spdlog::level::info, "scene deleted: its lease ran out",
-            {{"scene", scene.id()}, {"lease_seconds", scene.facts().lease_seconds}});
+            {{"scene", scene.id()}, {"lease_seconds", scene.identity().lease_seconds}});
 }
 
 void ServiceObserver::device_failed(const Scene& scene, const std::string& why) {

@@ -17,7 +17,7 @@ namespace {
 bool should_stop(const Scene& scene, uint64_t frame_id, TurnsOfScene::Turn& turn,
                  const std::function<bool()>& cancelled) {
   if (cancelled && cancelled()) return true;
-  const ClientIdentity& owner = *scene.facts().owner;
+  const ClientIdentity& owner = *scene.identity().owner;
   const double seconds = turn.seconds(), limit = owner.limits.max_frame_seconds;
   if (seconds > limit)
     throw LimitExceeded::quota(

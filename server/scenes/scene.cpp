@@ -64,17 +64,17 @@ std::vector<Turns*> turns_on(ServedDevices& served, const std::vector<Device>& d
 
 }  // namespace
 
-Scene::Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings)
-    : facts_(std::move(facts)),
-      surroundings_(std::move(surroundings)),
+Scene::Scene(SceneIdentity identity, ScenePlan plan, SceneContext context)
+    : identity_(std::move(identity)),
+      context_(std::move(context)),
       parted_(parted_bytes(plan)),
       quota_(parted_ ? parted_->whole() : DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)),
       device_(plan.engine.device),
       devices_(devices_of(plan.engine)),
-      turns_(turns_on(surroundings_.devices, devices_), facts_.owner->turn_path()),
-      host_turns_({&surroundings_.devices.host_turns()}, facts_.owner->turn_path()),
+      turns_(turns_on(context_.devices, devices_), identity_.owner->turn_path()),
+      host_turns_({&context_.devices.host_turns()}, identity_.owner->turn_path()),
       held_(quota_),
-      worker_(facts_.queue_capacity) {
+      worker_(identity_.queue_capacity) {
   held_.resize(plan_bytes(plan) + element_bytes(plan.engine));
   auto meshes = std::move(plan.engine.meshes);
   plan.engine.meshes.clear();
@@ -164,7 +164,7 @@ void Scene::check_token(const std::string& token, bool has_stream) const {
   if (token.empty() && has_stream)
     throw FailedPrecondition("open.resume_token",
                              fmt::format("open.resume_token is empty, but another stream of scene {} is open", id()));
-  if (!token.empty() && !is_equal_secret(token, facts_.resume_token))
+  if (!token.empty() && !is_equal_secret(token, identity_.resume_token))
     throw PermissionDenied("open.resume_token", fmt::format("open.resume_token is not the token of scene {}", id()));
 }
 
@@ -186,7 +186,7 @@ std::shared_ptr<SceneStream> Scene::begin_stream(const std::shared_ptr<SceneStre
 
 bool Scene::would_take_over(const std::string& token) const {
   const std::lock_guard lock(mutex_);
-  return stream_ && is_equal_secret(token, facts_.resume_token);
+  return stream_ && is_equal_secret(token, identity_.resume_token);
 }
 
 void Scene::end_stream(const SceneStream& stream) {
@@ -249,7 +249,7 @@ void Scene::end_use() {
 
 bool Scene::is_expired(std::chrono::steady_clock::time_point now) const {
   const std::lock_guard lock(mutex_);
-  return uses_ == 0 && now - last_use_ > std::chrono::duration<double>(facts_.lease_seconds);
+  return uses_ == 0 && now - last_use_ > std::chrono::duration<double>(identity_.lease_seconds);
 }
 
 void Scene::release() {

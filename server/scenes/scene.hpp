@@ -41,8 +41,8 @@ struct SceneSnapshot {
   std::shared_ptr<const ScenePlan> plan;  ///< without its triangles
 };
 
-/// Facts fixed when a scene is created.
-struct SceneFacts {
+/// Names a scene and its owner. Fixed when the scene is created.
+struct SceneIdentity {
   std::string id;
   std::string resume_token;  ///< a secret
   std::string request_id;    ///< of the request that created it; may be empty
@@ -52,8 +52,8 @@ struct SceneFacts {
   size_t queue_capacity = 0;  ///< initial maximum of waiting unary frames
 };
 
-/// Shared by all scenes. Everything it refers to outlives them.
-struct SceneSurroundings {
+/// Holds what all scenes share. Everything that it refers to outlives them.
+struct SceneContext {
   ServedDevices& devices;
   SceneObserver& observer;
   std::string endpoint = {};  ///< address advertised to clients for streaming; empty: the one they used
@@ -64,10 +64,10 @@ struct SceneSurroundings {
 class Scene {
  public:
   /// Throws LimitExceeded if its triangles and meshes alone exceed a limit.
-  Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings);
+  Scene(SceneIdentity identity, ScenePlan plan, SceneContext context);
 
-  const std::string& id() const { return facts_.id; }
-  const SceneFacts& facts() const { return facts_; }
+  const std::string& id() const { return identity_.id; }
+  const SceneIdentity& identity() const { return identity_; }
   /// Of a scene in parts the first one's. No edit changes it.
   const Device& device() const { return device_; }
   /// All that it is on, each once, in order.
@@ -79,9 +79,9 @@ class Scene {
     return shown_.plan;
   }
   SceneWorker& worker() { return worker_; }
-  SceneObserver& observer() const { return surroundings_.observer; }
-  Clock::time_point now() const { return surroundings_.now(); }
-  const std::string& endpoint() const { return surroundings_.endpoint; }
+  SceneObserver& observer() const { return context_.observer; }
+  Clock::time_point now() const { return context_.now(); }
+  const std::string& endpoint() const { return context_.endpoint; }
   SceneSnapshot snapshot() const;
   /// Number of edits so far.
   uint64_t edits() const {
@@ -176,8 +176,8 @@ class Scene {
   void begin_use();
   void end_use();
 
-  const SceneFacts facts_;
-  const SceneSurroundings surroundings_;
+  const SceneIdentity identity_;
+  const SceneContext context_;
   const std::shared_ptr<PartedBytes> parted_;  // null unless it is in parts
   const std::shared_ptr<DeviceBytes> quota_;
   const Device device_;

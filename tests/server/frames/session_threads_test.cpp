@@ -18,7 +18,7 @@ struct Stream {
 
 Stream take_over(const SceneUse& scene, Delivery delivery) {
   Stream stream;
-  stream.session = FrameSession::open(scene, scene->facts().resume_token, delivery, stream.sink);
+  stream.session = FrameSession::open(scene, scene->identity().resume_token, delivery, stream.sink);
   return stream;
 }
 

@@ -17,8 +17,8 @@ class SceneTest : public testing::Test {
  protected:
   // The test's thread plays the worker.
   std::unique_ptr<Scene> make(ScenePlan plan) {
-    return std::make_unique<Scene>(SceneFacts{"id", "token", "", 0, client(), 30, 1}, std::move(plan),
-                                   SceneSurroundings{devices_, observer_});
+    return std::make_unique<Scene>(SceneIdentity{"id", "token", "", 0, client(), 30, 1}, std::move(plan),
+                                   SceneContext{devices_, observer_});
   }
   std::unique_ptr<Scene> make_ready() {
     auto scene = make(tip_plan());
