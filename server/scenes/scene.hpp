@@ -20,13 +20,13 @@
 #include "server/devices/turns_of_scene.hpp"
 #include "server/ops/clock.hpp"
 #include "server/scenes/ended_scenes.hpp"
+#include "server/scenes/scene/plan.hpp"
+#include "server/scenes/scene/slot_pool.hpp"
+#include "server/scenes/scene/stream.hpp"
+#include "server/scenes/scene/watching.hpp"
+#include "server/scenes/scene/worker.hpp"
 #include "server/scenes/scene_observer.hpp"
-#include "server/scenes/scene_plan.hpp"
-#include "server/scenes/scene_stream.hpp"
-#include "server/scenes/scene_worker.hpp"
-#include "server/scenes/slot_pool.hpp"
 #include "server/scenes/upload.hpp"
-#include "server/scenes/watching.hpp"
 
 namespace collided::server {
 

@@ -99,6 +99,7 @@ BAD = [
     ("server/scenes/store.cpp", '#include "proto/constants.hpp"'),
     ("server/scenes/store.cpp", '#include "server/frames/session.hpp"'),
     ("server/scenes/store.cpp", '#include "server/convert/scene.hpp"'),
+    ("server/scenes/scene/engine.cpp", '#include "server/scenes/scene.hpp"'),
     ("server/devices/turns.cpp", '#include "server/scenes/scene.hpp"'),
     ("server/devices/turns.cpp", '#include "server/limits/client_usage.hpp"'),
     ("server/devices/turns.cpp", "#include <grpcpp/grpcpp.h>"),

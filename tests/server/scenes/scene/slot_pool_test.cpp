@@ -1,5 +1,5 @@
 // Slots are reused, end with their pool, and may outlive it.
-#include "server/scenes/slot_pool.hpp"
+#include "server/scenes/scene/slot_pool.hpp"
 
 #include <gtest/gtest.h>
 
