@@ -113,7 +113,7 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
   out->set_endpoint(scene.endpoint());
   out->set_edit_count(now.edits);
   out->set_worlds(now.plan->engine.worlds);
-  out->set_device_id(to_string(scene.device()));
+  out->set_device_id(to_string(now.plan->engine.device));
 }
 
 void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {

@@ -9,7 +9,6 @@
 #include "collided/v1/scene.pb.h"
 #include "server/config/config.hpp"
 #include "server/scenes/scene/plan.hpp"
-#include "server/scenes/upload.hpp"
 
 namespace collided::server {
 

@@ -20,7 +20,7 @@ constexpr uint64_t kMaxFrameId = std::numeric_limits<int64_t>::max();
 
 // The slot reads from the message, or from where it was placed, until the frame has been applied.
 void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame& frame) {
-  if (!slot) slot = scene.take_slot();
+  if (!slot) slot = scene.engine().take_slot();
   naming_paths(frame_path, [&] { slot->send(frame.input.updates); });
   frame.input.updates.clear();
   frame.input.slot = std::move(slot);
@@ -85,7 +85,7 @@ void check_frame_id(uint64_t id) {
 }
 
 void send_in_one_piece(Scene& set, FrameInput& input) {
-  std::shared_ptr<FrameSlot> slot = set.take_slot();
+  std::shared_ptr<FrameSlot> slot = set.engine().take_slot();
   naming_paths(frame_path, [&] {
     move_to(slot->room(position_bytes_of(input)), input);
     slot->send(input.updates);

@@ -58,9 +58,10 @@ void ServiceObserver::expired(const Scene& scene) {
 }
 
 void ServiceObserver::device_failed(const Scene& scene, const std::string& why) {
+  const auto plan = scene.plan();
   log_event(spdlog::level::err, "device error",
-            {{"scene", scene.id()}, {"device", to_string(scene.device())}, {"reason", why}});
-  for (const Device& device : scene.devices())
+            {{"scene", scene.id()}, {"device", to_string(plan->engine.device)}, {"reason", why}});
+  for (const Device& device : devices_of(plan->engine))
     if (!device_works(device)) lifecycle_.fail("a device no longer responds: " + to_string(device) + ": " + why);
 }
 

@@ -108,7 +108,7 @@ std::shared_ptr<Scene> SceneStore::remove(const Client& owner, const std::string
     const std::lock_guard lock(mutex_);
     scene = take_out_locked(find_locked(owner, id), end);
   }
-  scene->close(end);
+  scene->record().close(end);
   return scene;
 }
 
@@ -138,7 +138,7 @@ std::vector<std::shared_ptr<Scene>> SceneStore::remove_expired(std::chrono::stea
         expired.push_back(take_out_locked(here, end_of(*here->second)));
   }
   for (const auto& scene : expired) {
-    scene->close(end_of(*scene));
+    scene->record().close(end_of(*scene));
     scene->worker().post([scene] { scene->release(); });
   }
   return expired;
@@ -164,7 +164,7 @@ void SceneStore::clear() {
     removed.swap(removed_);
     requests_.clear();
   }
-  for (auto& [id, scene] : scenes) scene->close({.when = std::chrono::steady_clock::now()});
+  for (auto& [id, scene] : scenes) scene->record().close({.when = std::chrono::steady_clock::now()});
   for (auto& [id, scene] : scenes) scene->worker().flush();
   for (const auto& weak : removed)
     if (const auto scene = weak.lock()) scene->worker().flush();
