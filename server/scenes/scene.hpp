@@ -53,10 +53,10 @@ class Scene {
 
   /// As SceneRecord::begin_stream(). Throws FailedPrecondition if triangles are still missing, too.
   std::shared_ptr<SceneStream> begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token);
-  /// Returns true if nobody has used the scene for longer than its lease.
+  /// Returns true if the scene has been unused for longer than its lease.
   bool is_expired(Clock::time_point now) const { return lease_.is_expired(now); }
 
-  // On the worker's thread only:
+  // The worker's thread alone calls these:
 
   /// Adds all triangles that a mesh awaits, and builds the detector once no mesh awaits any.
   void add_triangles(uint32_t mesh, ReceivedTriangles& triangles);

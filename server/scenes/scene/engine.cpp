@@ -122,8 +122,8 @@ void SceneEngine::throw_edited(uint64_t frame_id) const {
                                        frame_id, record_.id(), record_.last_frame_id()));
 }
 
-// The engine has applied it. Whoever sees the new plan must find the slots and the uploads of its meshes, so the plan
-// is shown last.
+// The engine has applied the edit. The plan is shown last, because a thread that sees it may use the slots and the
+// uploads of its meshes at once.
 void SceneEngine::take_edit(const FrameBasis& basis, MemoryHold& making) {
   auto plan = std::make_shared<const ScenePlan>(edited_plan(*record_.plan(), basis.edited, detector_->spec()));
   auto slots = std::make_shared<SlotPool>(detector_);

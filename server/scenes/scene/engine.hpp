@@ -33,7 +33,7 @@ class SceneEngine {
   /// Later frames take turns of this client: the one that sends them. From any thread.
   void charge_to(const TurnPath& client) { turns_.charge_to(client); }
 
-  // On the worker's thread only:
+  // The worker's thread alone calls these:
 
   /// Builds the detector, in turns of its client on the host, unless triangles are still missing.
   void build_if_complete();

@@ -1,5 +1,5 @@
 #pragma once
-// How long a scene lives without being used. No gRPC here.
+// The lease of a scene: the time that it outlives its last use. No gRPC here.
 
 #include <chrono>
 #include <mutex>
@@ -25,7 +25,7 @@ class SceneLease {
     --uses_;
     last_use_ = now_();
   }
-  /// Returns true if nobody has used the scene for longer than its lease.
+  /// Returns true if the scene has been unused for longer than its lease.
   bool is_expired(Clock::time_point now) const {
     const std::lock_guard lock(mutex_);
     return uses_ == 0 && now - last_use_ > seconds_;

@@ -40,7 +40,7 @@ struct SceneSnapshot {
   std::shared_ptr<const ScenePlan> plan;  ///< without its triangles
 };
 
-/// How a scene ended.
+/// Says why and when a scene ended.
 struct SceneEnd {
   bool is_expired = false;  ///< false: deleted by its client
   double lease_seconds = 0;
@@ -71,7 +71,7 @@ class SceneRecord {
   uint64_t device_bytes() const;
   /// `mesh 1 ("tip")`, for messages.
   std::string mesh_name(uint32_t mesh) const;
-  /// True if a mesh excludes rest pairs, and no frame was applied yet that tells which those are.
+  /// Returns true if a mesh excludes rest pairs and no frame has been applied yet that defines them.
   bool awaits_rest() const { return excludes_rest_pairs_ && last_frame_id() == 0; }
   /// Throws FailedPrecondition, naming `field`, for a set.
   void check_is_one(const std::string& field) const;
@@ -96,7 +96,7 @@ class SceneRecord {
   /// Throws NotFound once the scene is closed.
   void check_open() const;
 
-  // On the worker's thread only:
+  // The worker's thread alone calls these:
 
   /// Shows what the detector has and holds. The scene is ready from now on.
   void show(const Detector& detector, uint64_t host_bytes);

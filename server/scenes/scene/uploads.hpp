@@ -45,14 +45,14 @@ class SceneUploads {
   uint64_t awaited(uint32_t mesh) const;
   /// True until all triangles have arrived.
   bool awaits_any() const;
-  /// Throws FailedPrecondition, naming `field`: tells which triangles the scene awaits.
+  /// Throws FailedPrecondition, naming `field` and the triangles that the scene awaits.
   [[noreturn]] void throw_awaits(const std::string& field) const;
   /// Reserves a mesh for one upload, so that open uploads hold no more than the scene awaits. Throws
   /// FailedPrecondition.
   void begin(uint32_t mesh);
   void end(uint32_t mesh);
 
-  // On the worker's thread only:
+  // The worker's thread alone calls these:
 
   /// Takes all triangles that a mesh awaits. Throws NotFound once the scene is closed, FailedPrecondition,
   /// InvalidInput for another number of them.

@@ -1,4 +1,4 @@
-// An edit while others look: whoever sees its plan finds what the plan's meshes need.
+// An edit under concurrent readers: a thread that sees its plan can use the plan's meshes.
 #include "server/scenes/scene/engine.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A lease runs while nobody uses the scene.
+// A lease runs from the end of the scene's last use.
 #include "server/scenes/scene/lease.hpp"
 
 #include <gtest/gtest.h>
