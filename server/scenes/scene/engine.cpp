@@ -39,13 +39,14 @@ SceneEngine::SceneEngine(SceneRecord& record, SceneUploads& uploads, const Scene
       host_turns_({&devices.host_turns()}, record.identity().owner->turn_path()),
       held_(quota_) {}
 
+// A pool gives no slot once it is closed. Before that an edit has replaced it, or the release has taken it away.
 std::shared_ptr<FrameSlot> SceneEngine::take_slot() {
-  std::shared_ptr<SlotPool> slots;
-  {
+  const auto pool = [this] {
     const std::lock_guard lock(mutex_);
-    slots = slots_;
-  }
-  if (auto slot = slots ? slots->take() : nullptr) return slot;
+    return slots_;
+  };
+  while (const auto slots = pool())
+    if (auto slot = slots->take()) return slot;
   record_.check_open();
   uploads_.throw_awaits("scene_id");
 }
