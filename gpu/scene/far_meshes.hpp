@@ -6,12 +6,12 @@
 #include <cmath>
 #include <vector>
 
-#include "gpu/step/buffers.hpp"
+#include "gpu/state/buffers.hpp"
 
 namespace collided {
 
-/// Samples how far the vertices of a mesh go and how long its edges are. A large mesh is sampled by runs of vertices that
-/// are spread evenly over it: neighbours in number mostly are neighbours in space, and have edges.
+/// Samples how far the vertices of a mesh go and how long its edges are. A large mesh is sampled by runs of vertices
+/// that are spread evenly over it: neighbours in number mostly are neighbours in space, and have edges.
 template <Executor Exec, class Real>
 class SampledMesh {
  public:

@@ -9,7 +9,7 @@
 #include "gpu/positions/blend.hpp"
 #include "gpu/positions/slot.hpp"
 #include "gpu/scene/rigid_meshes.hpp"
-#include "gpu/step/buffers.hpp"
+#include "gpu/state/buffers.hpp"
 
 namespace collided {
 

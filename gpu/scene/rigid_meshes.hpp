@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "gpu/base/text.hpp"
+#include "gpu/boxes/boxes.hpp"
 #include "gpu/positions/blend.hpp"
 #include "gpu/positions/checks.hpp"
 #include "gpu/positions/rigid_arc.hpp"
 #include "gpu/positions/slot.hpp"
-#include "gpu/search/boxes.hpp"
-#include "gpu/step/buffers.hpp"
+#include "gpu/state/buffers.hpp"
 
 namespace collided {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gpu/step/settings.hpp"
+#include "gpu/state/settings.hpp"
 
 namespace collided {
 

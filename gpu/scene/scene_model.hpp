@@ -8,7 +8,7 @@
 
 #include "gpu/contacts/scene_counts.hpp"
 #include "gpu/positions/slot.hpp"
-#include "gpu/step/buffers.hpp"
+#include "gpu/state/buffers.hpp"
 #include "gpu/tables/exclusions.hpp"
 #include "gpu/tables/topology.hpp"
 

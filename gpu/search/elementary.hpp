@@ -6,7 +6,7 @@
 // Features that share a vertex are no pair.
 
 #include "gpu/base/keys.hpp"
-#include "gpu/search/boxes.hpp"
+#include "gpu/boxes/boxes.hpp"
 #include "gpu/search/elementary_numbers.hpp"
 #include "gpu/search/loose_elements.hpp"
 

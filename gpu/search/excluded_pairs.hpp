@@ -4,7 +4,7 @@
 
 #include "gpu/base/key_set.hpp"
 #include "gpu/base/keys.hpp"
-#include "gpu/search/boxes.hpp"
+#include "gpu/boxes/boxes.hpp"
 #include "gpu/search/elementary_numbers.hpp"
 
 namespace collided {

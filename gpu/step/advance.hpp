@@ -12,8 +12,8 @@
 
 #include <cmath>
 
-#include "gpu/search/records.hpp"
-#include "gpu/step/settings.hpp"
+#include "gpu/boxes/records.hpp"
+#include "gpu/state/settings.hpp"
 
 namespace collided {
 
@@ -68,8 +68,7 @@ inline double advance_margin(const Box<float>& bounds, double min_separation) {
 
 /// Returns the settings of the tries of an advance, for a frame at this level.
 inline FrameSettings settings_of_try(const SceneSpec& spec, Accuracy accuracy, double margin) {
-  return {Mode::kCcd, accuracy, 0, Report::kEarliestOnly, spec.min_separation + margin, spec.min_separation,
-          true};
+  return {Mode::kCcd, accuracy, 0, Report::kEarliestOnly, spec.min_separation + margin, spec.min_separation, true};
 }
 
 /// Whether a step without contacts that approach, with these settings, is as good as a try.

@@ -1,13 +1,10 @@
 #pragma once
 // Steps 6 to 8 of Fig. 7: the pairs that the frame's engine finds go to the sinks that make candidates of them.
 
-#include "gpu/contacts/scene_counts.hpp"
-#include "gpu/step/all_pairs_phase.hpp"
-#include "gpu/step/lbvh_phase.hpp"
+#include "gpu/step/box_phase.hpp"
+#include "gpu/engines/engines.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/neighbour_phase.hpp"
-#include "gpu/step/octree_phase.hpp"
-#include "gpu/step/plan/plan.hpp"
 #include "gpu/step/sinks.hpp"
 
 namespace collided {
@@ -15,16 +12,13 @@ namespace collided {
 template <Executor Exec, class Real>
 class CandidatePhase {
  public:
-  CandidatePhase(Exec& exec, const SceneCounts& counts, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene,
-                 OctreePhase<Exec, Real>& octree, LbvhPhase<Exec, Real>& lbvh, AllPairsPhase<Exec, Real>& all_pairs,
-                 NeighbourPhase<Exec, Real>& neighbours, NarrowPhase<Exec, Real>& narrow)
-      : exec_(exec),
-        counts_(counts),
-        ranks_(ranks),
-        scene_(scene),
-        octree_(octree),
-        lbvh_(lbvh),
-        all_pairs_(all_pairs),
+  CandidatePhase(const StepContext<Exec, Real>& context, const BoxPhase<Exec, Real>& boxes,
+                 Engines<Exec, Real>& engines, NeighbourPhase<Exec, Real>& neighbours, NarrowPhase<Exec, Real>& narrow)
+      : exec_(context.exec),
+        counts_(context.counts),
+        scene_(context.scene),
+        boxes_(boxes),
+        engines_(engines),
         neighbours_(neighbours),
         narrow_(narrow) {}
 
@@ -43,9 +37,9 @@ class CandidatePhase {
   void search_neighbours() {
     exec_.stage("neighbours", [&] {
       if (is_plain())
-        list_neighbours(octree_.elementary(needs().kinds));
+        list_neighbours(boxes_.elementary(needs().kinds));
       else
-        list_neighbours(octree_.elementary_of_any(needs().kinds));
+        list_neighbours(boxes_.elementary_of_any(needs().kinds));
       neighbours_.keep_counts();
     });
   }
@@ -57,7 +51,7 @@ class CandidatePhase {
       find_pairs("find_triangle_pairs", kKind,
                  TrianglePairSink{scene_.topology.corners(),
                                   is_narrow ? narrow_.pairs_of_triangles() : all_contacts(),
-                                  is_narrow ? 0 : ranks_.begin[index_of(kKind)],
+                                  is_narrow ? 0 : narrow_.ranks().begin[index_of(kKind)],
                                   narrow_.early_exit(),
                                   {pairs_counter(kKind), nullptr, nullptr},
                                   scene_.topology.rings()});
@@ -75,9 +69,9 @@ class CandidatePhase {
     // Rest pairs that rings leave out as well are kept, too: an edit may take the rings away.
     const ExcludedPairs excluded = needs().finds_rest_pairs ? ExcludedPairs{} : scene_.topology.excluded_pairs();
     if (excluded.is_needed() || !is_plain())
-      search_for(keep, wanted, octree_.elementary_of_any(wanted), excluded);
+      search_for(keep, wanted, boxes_.elementary_of_any(wanted), excluded);
     else
-      search_for(keep, wanted, octree_.elementary(wanted), NothingExcluded{});
+      search_for(keep, wanted, boxes_.elementary(wanted), NothingExcluded{});
   }
   bool is_plain() const { return !scene_.deviations(needs().is_ccd()).is_needed() && !counts_.has_loose_elements(); }
   template <class Keep, class Tests, class Excluded>
@@ -91,7 +85,7 @@ class CandidatePhase {
              keep,
              list(ContactKind::kVertexTriangle),
              list(ContactKind::kEdgeEdge),
-             is_narrow ? 0 : ranks_.begin[kIndexOf<EdgeEdge>],
+             is_narrow ? 0 : narrow_.ranks().begin[kIndexOf<EdgeEdge>],
              narrow_.early_exit(),
              {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
               &state->candidates[kIndexOf<EdgeEdge>]},
@@ -131,23 +125,14 @@ class CandidatePhase {
   template <class Sink>
   void find_pairs(const char* name, ContactKind first, const Sink& sink) {
     uint64_t* next_item = &scene_.state.data()->next_item[index_of(first)];
-    switch (plan_.octree.engine) {
-      case Engine::kLbvh:
-        return lbvh_.search(name, sink, next_item, first == first_kind());
-      case Engine::kAllPairs:
-        return all_pairs_.search(name, sink, next_item);
-      default:
-        octree_.search(name, plan_.octree, sink, next_item);
-    }
+    engines_.search(name, sink, next_item, first == first_kind());
   }
 
   Exec& exec_;
   const SceneCounts& counts_;
-  const FeatureRanks& ranks_;
   SceneBuffers<Exec, Real>& scene_;
-  OctreePhase<Exec, Real>& octree_;
-  LbvhPhase<Exec, Real>& lbvh_;
-  AllPairsPhase<Exec, Real>& all_pairs_;
+  const BoxPhase<Exec, Real>& boxes_;
+  Engines<Exec, Real>& engines_;
   NeighbourPhase<Exec, Real>& neighbours_;
   NarrowPhase<Exec, Real>& narrow_;
   StepPlan plan_;

@@ -10,10 +10,10 @@
 #include "gpu/narrow/normal.hpp"
 #include "gpu/narrow/proximity.hpp"
 #include "gpu/narrow/triangle_pairs.hpp"
-#include "gpu/step/buffers.hpp"
+#include "gpu/state/buffers.hpp"
+#include "gpu/state/plan.hpp"
 #include "gpu/step/deciding.hpp"
 #include "gpu/step/plan/order_predictor.hpp"
-#include "gpu/step/plan/plan.hpp"
 
 #ifndef __CUDACC__
 #include "gpu/narrow/cpu/approach.hpp"
@@ -28,6 +28,7 @@ class NarrowPhase {
   NarrowPhase(Exec& exec, const FeatureRanks& ranks, SceneBuffers<Exec, Real>& scene)
       : exec_(exec), ranks_(ranks), scene_(scene) {}
 
+  const FeatureRanks& ranks() const { return ranks_; }
   /// Whether some elements of the scene are no triangles.
   void expect_loose_elements(bool are_there) { has_loose_elements_ = are_there; }
 

@@ -1,8 +1,8 @@
 #pragma once
 // Contacts that stay on the backend: their columns go from where the step left them to the frame's ContactRoom.
 
-#include "gpu/step/buffers.hpp"
-#include "gpu/step/level_needs.hpp"
+#include "gpu/state/buffers.hpp"
+#include "gpu/state/level_needs.hpp"
 
 namespace collided {
 

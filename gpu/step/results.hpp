@@ -10,9 +10,9 @@
 #include "gpu/exact/poll.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/normal.hpp"
-#include "gpu/step/buffers.hpp"
+#include "gpu/state/buffers.hpp"
+#include "gpu/state/level_needs.hpp"
 #include "gpu/step/contact_sets.hpp"
-#include "gpu/step/level_needs.hpp"
 #include "gpu/step/placing.hpp"
 
 namespace collided {

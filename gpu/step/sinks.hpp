@@ -6,9 +6,9 @@
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
 #include "gpu/search/neighbours.hpp"
-#include "gpu/step/level_needs.hpp"
+#include "gpu/state/level_needs.hpp"
+#include "gpu/state/state.hpp"
 #include "gpu/step/may_touch_soon.hpp"
-#include "gpu/step/state.hpp"
 
 namespace collided {
 

@@ -1,5 +1,5 @@
 #pragma once
-// In which branch of the hierarchy (lbvh/lbvh.hpp) each mesh is, where rules keep most pairs apart.
+// In which branch of the hierarchy (engines/lbvh/lbvh.hpp) each mesh is, where rules keep most pairs apart.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks include dependencies, that each header compiles alone, and that folders stay small.
+"""Checks include dependencies, that each header compiles alone, and that a README says what each folder is for.
 
 usage: check_layers.py includes ROOT
        check_layers.py folders ROOT
@@ -11,6 +11,7 @@ precompiled headers, which would hide what is missing.
 
 import collections
 import concurrent.futures
+import functools
 import os
 import pathlib
 import re
@@ -28,7 +29,6 @@ END_OF_CONDITION = re.compile(r"^\s*#\s*endif")
 # parsing several times, and more.
 SYSTEM_COST, LIBRARY_COST, PRECOMPILING, WRITING = 20_000, 500_000, 3, 300_000
 SYSTEM = re.compile(r"^(sys/.*|[a-z_0-9]+(\.h)?)$")
-MAX_FILES = 20  # in a folder
 NO_SOURCE = {"results", "data", "changes", "recordings", "node_modules", "dist", "__pycache__"}
 MESSAGES = re.compile(r"\.pb\.h$")
 
@@ -83,7 +83,7 @@ def server_complaint(path, target):
     if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
         return "gRPC and protobuf begin at server/convert, except for server/refusals and server/auth/credentials"
     if target.startswith("gpu/") and target not in (*ENGINE_API, QUOTA):
-        return "the server knows the engine by gpu/detector.hpp and gpu/stencil.hpp, and its quotas by gpu/parted_quota.hpp"
+        return "the server knows the engine by gpu/detector.hpp and gpu/stencil.hpp, and its quotas by gpu/sharded_quota.hpp"
     if target.startswith("client/"):
         return "the server must not know the client"
     if room is None or not target.startswith("server/") or target in SERVER_COMMON:
@@ -98,14 +98,19 @@ def server_complaint(path, target):
 
 # The engine's folders, and those that each may include besides itself: data flows from the later to the earlier.
 ROOMS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
-ROOMS |= {room: {"base", "exec", "contacts"} for room in ("positions", "octree", "lbvh", "search", "narrow")}
+ROOMS |= {room: {"base", "exec", "contacts"} for room in ("positions", "boxes", "narrow")}
+ROOMS["search"] = {"base", "exec", "contacts", "boxes"}
 ROOMS["tables"] = {"base", "exec", "search"}
-ROOMS["step"] = {"base", "exec", "contacts", "octree", "lbvh", "search", "narrow", "exact"}
+ROOMS["state"] = {"base", "exec", "contacts", "boxes", "search", "narrow"}
+ROOMS["engines"] = {"base", "exec", "contacts", "boxes", "narrow", "state"}
+ROOMS["step"] = ROOMS["state"] | {"state", "engines", "exact"}
 ROOMS["scene"] = ROOMS["step"] | {"positions", "step", "tables"}
+# What a step's counters and plan hold of an engine's.
+COUNTED_OF_ENGINES = {f"gpu/engines/octree/{name}.hpp" for name in ("levels", "octree_plan", "subdivision")}
 # The specification of a scene, and the top.
 TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
 # What a scene in parts tells its caller's limits.
-QUOTA = "gpu/parted_quota.hpp"
+QUOTA = "gpu/sharded_quota.hpp"
 CONTACTS = "gpu/contact_set.hpp"
 UNDER_THE_ROOF = {"gpu/detector.cpp"}
 
@@ -132,6 +137,8 @@ def engine_complaint(path, target):
         return None
     if room not in ROOMS:
         return f"{room} is not a folder that tests/layers knows"
+    if room == "state" and target in COUNTED_OF_ENGINES:
+        return None
     if other != room and other not in ROOMS[room]:
         return f"{room} must not know {other}"
     if room == "exact" and other == "base" and target not in EXACT_BASE:
@@ -242,17 +249,36 @@ def generated_folders(root):
     return {line.split()[0].strip("/").rpartition("/")[0] for line in lines if line.endswith(" linguist-generated")}
 
 
-def crowded_folders(root):
-    """Folders with too many files to survey, except those of figures, data and generated code."""
+def nameless_folders(root):
+    """Folders of source code that have no README and that no README above them names, as in `search/cpu/` or `cpu/`.
+
+    A folder of tests that mirrors one of these is what the tree says it is.
+    """
     found, folders, generated = [], 0, generated_folders(root)
     for layer in ("proto", "gpu", "server", "client", "tests", "deploy"):
         for folder, subfolders, files in os.walk(root / layer):
             subfolders[:] = [name for name in subfolders if name not in NO_SOURCE]
+            path = pathlib.Path(folder)
+            name = path.relative_to(root).as_posix()
+            if not files or name in generated:
+                continue
             folders += 1
-            name = pathlib.Path(folder).relative_to(root).as_posix()
-            if len(files) > MAX_FILES and name not in generated:
-                found.append(f"{name}: {len(files)} files, the limit is {MAX_FILES}")
+            if "README.md" not in files and not is_named(root, path):
+                found.append(f"{name}: no README.md above it says what it is for")
     return sorted(found), folders
+
+
+@functools.lru_cache(maxsize=None)
+def page(file):
+    return file.read_text() if file.is_file() else ""
+
+
+def is_named(root, folder):
+    path = folder.relative_to(root)
+    if path.parts[0] == "tests" and root.joinpath(*path.parts[1:]).is_dir():
+        return True
+    named = re.compile(rf"[`(/]{re.escape(folder.name)}/")
+    return any(named.search(page(above / "README.md")) for above in folder.parents if above.is_relative_to(root))
 
 
 def own_includes(root, file):
@@ -373,7 +399,7 @@ def main(arguments):
         root = pathlib.Path(arguments[1])
         problems, count = bad_includes(root), len(list(sources(root)))
     elif len(arguments) == 2 and arguments[0] == "folders":
-        problems, count = crowded_folders(pathlib.Path(arguments[1]))
+        problems, count = nameless_folders(pathlib.Path(arguments[1]))
     elif len(arguments) >= 3 and arguments[0] == "headers":
         problems, count = bad_headers(pathlib.Path(arguments[1]), arguments[2], arguments[3:])
     else:

@@ -14,11 +14,11 @@ GOOD = {
     "gpu/detector.cpp": '#include "gpu/detector.hpp"\n#include "gpu/scene/rules.hpp"\n',
     "gpu/scene/rules.hpp": '#include "gpu/step/pipeline.hpp"\n#include "gpu/detector.hpp"\n',
     "gpu/scene/backend.cu": "#include <cuda_runtime.h>\n",
-    "gpu/step/pipeline.hpp": '#include "gpu/octree/count.hpp"\n#include "gpu/narrow/ccd.hpp"\n',
+    "gpu/step/pipeline.hpp": '#include "gpu/engines/octree/count.hpp"\n#include "gpu/narrow/ccd.hpp"\n',
     "gpu/step/list.hpp": '#include "gpu/exact/exact.hpp"\n#include "gpu/exact/fixed/decide.hpp"\n',
     "gpu/exact/fixed/decide.hpp": '#include "gpu/exact/fixed/integer.hpp"\n',
     "gpu/exact/fixed/integer.hpp": '#include "gpu/base/vec3.hpp"\n',
-    "gpu/octree/count.hpp": '#include "gpu/exec/cpu.hpp"\n#include "gpu/base/box.hpp"\n#include <cmath>\n',
+    "gpu/engines/octree/count.hpp": '#include "gpu/exec/cpu.hpp"\n#include "gpu/base/box.hpp"\n#include <cmath>\n',
     "gpu/narrow/ccd.hpp": '#include "gpu/base/box.hpp"\n',
     "gpu/exec/cpu.hpp": "#include <oneapi/tbb/parallel_for.h>\n",
     "gpu/exec/cuda/cuda.cuh": "#include <cub/cub.cuh>\n#include <cuda_runtime.h>\n",
@@ -60,17 +60,17 @@ BAD = [
     ("client/in_process/local.hpp", '#include "server/in_process.hpp"'),
     ("server/transport/in_process/bad.hpp", '#include "server/transport/local/packets.hpp"'),
     ("server/transport/in_process/bad.hpp", '#include "client/cpp/client.hpp"'),
-    ("gpu/octree/bad.hpp", '#include "gpu/search/pairs.hpp"'),
+    ("gpu/engines/octree/bad.hpp", '#include "gpu/search/pairs.hpp"'),
     ("gpu/search/bad.hpp", '#include "gpu/narrow/ccd.hpp"'),
-    ("gpu/narrow/bad.cu", '#include "gpu/octree/count.hpp"'),
-    ("gpu/octree/bad.hpp", '#include "gpu/step/pipeline.hpp"'),
+    ("gpu/narrow/bad.cu", '#include "gpu/engines/octree/count.hpp"'),
+    ("gpu/engines/octree/bad.hpp", '#include "gpu/step/pipeline.hpp"'),
     ("gpu/step/bad.hpp", '#include "gpu/scene/rules.hpp"'),
     ("gpu/step/bad.hpp", '#include "gpu/positions/slot.hpp"'),
     ("gpu/step/bad.hpp", '#include "gpu/detector.hpp"'),
     ("gpu/types.hpp", '#include "gpu/detector.hpp"'),
     ("gpu/attic/bad.hpp", '#include "gpu/base/box.hpp"'),
     ("gpu/exec/bad.hpp", '#include "gpu/contacts/contact.hpp"'),
-    ("gpu/base/bad.hpp", '#include "gpu/octree/count.hpp"'),
+    ("gpu/base/bad.hpp", '#include "gpu/engines/octree/count.hpp"'),
     ("gpu/base/bad.hpp", '#include "gpu/types.hpp"'),
     ("gpu/base/bad.hpp", '#include "server/convert.hpp"'),
     ("gpu/base/bad.hpp", '#include "base/box.hpp"'),
@@ -91,7 +91,7 @@ BAD = [
     ("server/worker.cpp", "#include <gmpxx.h>"),
     ("server/worker.cpp", '#include "gpu/exact/exact.hpp"'),
     ("gpu/exec/bad.hpp", "#include <cuda_runtime.h>"),
-    ("gpu/octree/bad.cuh", "#include <cub/cub.cuh>"),
+    ("gpu/engines/octree/bad.cuh", "#include <cub/cub.cuh>"),
     ("gpu/detector.cpp", "#include <spdlog/spdlog.h>"),
     ("gpu/detector.cpp", "#include <grpcpp/grpcpp.h>"),
     ("gpu/detector.cpp", "#include <collided/v1/frame.pb.h>"),
@@ -163,19 +163,25 @@ class CheckLayers(unittest.TestCase):
                 if before is not None:
                     self.write(path, before)
 
-    def test_a_crowded_folder_is_found(self):
-        for i in range(check_layers.MAX_FILES):
-            self.write(f"tests/many/test_{i}.cpp", "")
-            self.write(f"tests/many/results/figure_{i}.json", "")
-            self.write(f"client/go/v1/message_{i}.pb.go", "")
-        self.write("tests/many/results/figure.json", "")
-        self.write("client/go/v1/README.md", "")
+    def test_a_folder_that_no_page_names_is_found(self):
+        named = {path.rpartition("/")[0] for path in GOOD}
+        pages = {layer: " ".join(f"`{folder}/`" for folder in named if folder.startswith(layer)) for layer in ("client", "gpu", "server")}
+        for layer, text in pages.items():
+            self.write(f"{layer}/README.md", text)
+        self.write("proto/README.md", "")
+        self.write("client/go/v1/message.pb.go", "")
         self.write(".gitattributes", "# Generated:\n/client/go/v1/*.pb.go linguist-generated\n")
-        self.assertEqual(check_layers.crowded_folders(self.root)[0], [])
+        self.write("tests/gpu/step/list_test.cpp", "")  # mirrors gpu/step
+        self.write("tests/many/results/figure.json", "")
+        self.assertEqual(check_layers.nameless_folders(self.root)[0], [])
+        self.write("tests/many/any_test.cpp", "")
+        self.write("gpu/attic/old.hpp", "")
+        says = "no README.md above it says what it is for"
+        self.assertEqual(check_layers.nameless_folders(self.root)[0], [f"gpu/attic: {says}", f"tests/many: {says}"])
         self.write("tests/many/README.md", "")
-        self.assertEqual(check_layers.crowded_folders(self.root)[0], ["tests/many: 21 files, the limit is 20"])
-        self.write(".gitattributes", "")
-        self.assertEqual(len(check_layers.crowded_folders(self.root)[0]), 2)
+        self.write("gpu/README.md", pages["gpu"] + " `attic/`")
+        check_layers.page.cache_clear()
+        self.assertEqual(check_layers.nameless_folders(self.root)[0], [])
 
     def test_a_header_that_needs_another_is_found(self):
         self.write("gpu/exec/cpu.hpp", "#include <cstddef>\n")

@@ -1,6 +1,6 @@
 #pragma once
 // The elementary box tests of pairs of triangles on CPU cores: the boxes of a triangle's features side by side, so that
-// one feature meets all of another triangle's at once. They are those of the records (search/records.hpp).
+// one feature meets all of another triangle's at once. They are those of the records (boxes/records.hpp).
 
 #include "gpu/search/cpu/lanes.hpp"
 #include "gpu/search/loose_elements.hpp"

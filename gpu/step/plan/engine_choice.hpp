@@ -11,24 +11,10 @@
 
 #include <optional>
 
-#include "gpu/octree/bottom_up.hpp"
 #include "gpu/step/plan/trials.hpp"
 #include "gpu/types.hpp"
 
 namespace collided {
-
-/// Engines on the octree's stages whose cells are as large as the triangles, not fractions of the scene.
-inline bool has_cells_of_triangles(Engine engine) {
-  return engine == Engine::kUniformGrid || engine == Engine::kTwoLevelGrid || engine == Engine::kVss;
-}
-/// Those of them that have one level of cells.
-inline bool has_one_level(Engine engine) { return has_cells_of_triangles(engine) && engine != Engine::kTwoLevelGrid; }
-
-inline CutRule cut_rule_of(Engine engine) {
-  if (engine == Engine::kTopDown) return CutRule::kTopDown;
-  if (engine == Engine::kBottomUp) return CutRule::kBottomUp;
-  return has_one_level(engine) ? CutRule::kGrid : CutRule::kTwoStage;
-}
 
 /// Whether a frame of the octree looks as if the hierarchy did better. `refined`: with bricks.
 inline bool looks_wrong(const FrameCounts& counts, uint64_t triangles, bool refined) {

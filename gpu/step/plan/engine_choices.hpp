@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gpu/step/level_needs.hpp"
+#include "gpu/state/level_needs.hpp"
 #include "gpu/step/plan/engine_choice.hpp"
 
 namespace collided {

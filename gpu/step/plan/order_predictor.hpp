@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "gpu/contacts/order.hpp"
-#include "gpu/step/plan/usage_predictor.hpp"
+#include "gpu/state/usage_predictor.hpp"
 
 namespace collided {
 

@@ -115,8 +115,8 @@ class ReuseChoice {
   /// Frames that its list is meant to last.
   double run_length() const { return length_.frames(); }
   /// Milliseconds that the thread of a frame which makes lists may be at work on it; 0: any number. Frames that reuse a
-  /// list save about half of a search at best, so that a list which takes longer than half the searches of its frames is
-  /// of no use, and nobody is to wait for it.
+  /// list save about half of a search at best, so that a list which takes longer than half the searches of its frames
+  /// is of no use, and nobody is to wait for it.
   double longest_making() const {
     if (wanted_ == Reuse::kOn || !search_work_.is_full()) return 0;
     return std::max(kAlwaysAllowed, (1 + run_length() / 2) * search_work_.median());
@@ -129,8 +129,8 @@ class ReuseChoice {
             .search_milliseconds = without_};
   }
 
-  /// Looks at a frame. `work`: milliseconds that its thread was at work on it, which waits for a device that others use,
-  /// too. `is_clean`: nothing was allocated for it.
+  /// Looks at a frame. `work`: milliseconds that its thread was at work on it, which waits for a device that others
+  /// use, too. `is_clean`: nothing was allocated for it.
   void observe(ListUse use, double milliseconds, double work, bool is_clean) {
     if (wanted_ == Reuse::kOff) return;
     if (use == ListUse::kNone && is_clean) search_work_.push(work);
@@ -152,7 +152,7 @@ class ReuseChoice {
  private:
   enum class State { kSearching, kTrying, kUsing };
   static constexpr double kShare = 0.0025;  ///< of all time may go to comparisons
-  static constexpr int kFirstWait = 16;  ///< frames before the first comparison: engines are compared first
+  static constexpr int kFirstWait = 16;     ///< frames before the first comparison: engines are compared first
   static constexpr int kLongestTrial = 256, kSearches = 3;
   static constexpr double kAlwaysAllowed = 3;  ///< milliseconds: a thread that waits for a processor is not slow
 

@@ -6,7 +6,7 @@
 
 #include "gpu/base/box.hpp"
 #include "gpu/search/neighbours.hpp"
-#include "gpu/step/plan/plan.hpp"
+#include "gpu/state/plan.hpp"
 #include "gpu/step/plan/reuse_choice.hpp"
 
 namespace collided {
@@ -69,8 +69,7 @@ class ListLife {
 /// Frames whose searches are alike share a choice; the lists serve all frames.
 class ReusePlanner {
  public:
-  explicit ReusePlanner(const SceneSpec& spec)
-      : is_auto_(spec.reuse == Reuse::kAuto && spec.engine == Engine::kAuto) {
+  explicit ReusePlanner(const SceneSpec& spec) : is_auto_(spec.reuse == Reuse::kAuto && spec.engine == Engine::kAuto) {
     // Who names an engine wants to see it work.
     const bool is_off = spec.worlds > 0 || (spec.reuse == Reuse::kAuto && !is_auto_);
     choices_.fill(ReuseChoice(is_off ? Reuse::kOff : spec.reuse));
@@ -83,8 +82,8 @@ class ReusePlanner {
     settings_ = needs.settings;
     bounds_ = bounds;
     missed_ = false;
-    is_suited_ = (can_pay_ || !is_auto_) && settings_.accuracy >= Accuracy::kGuarded && !needs.is_any_hit() && !needs.finds_rest_pairs &&
-                 !needs.kinds.triangle_triangle;
+    is_suited_ = (can_pay_ || !is_auto_) && settings_.accuracy >= Accuracy::kGuarded && !needs.is_any_hit() &&
+                 !needs.finds_rest_pairs && !needs.kinds.triangle_triangle;
     choice_ = &choices_[2 * needs.is_ccd() + needs.has_filter()];
     if (!is_suited_ || !choice_->uses_lists()) return {};
     return life_.serve(settings_) ? ListPlan{ListUse::kReused} : make();
@@ -103,9 +102,7 @@ class ReusePlanner {
     return {};
   }
   /// Milliseconds that a thread may be at work on a step by this plan; 0: any number.
-  double longest_step(const ListPlan& plan) const {
-    return plan.use == ListUse::kMade ? choice_->longest_making() : 0;
-  }
+  double longest_step(const ListPlan& plan) const { return plan.use == ListUse::kMade ? choice_->longest_making() : 0; }
   /// It took longer.
   void give_up() {
     choice_->give_up();
@@ -160,7 +157,7 @@ class ReusePlanner {
   std::array<ReuseChoice, 4> choices_;
   ReuseChoice* choice_ = &choices_[0];  ///< of the step in work
   FrameSettings settings_{};            ///< of that step
-  bool is_auto_, can_pay_ = true;  ///< the scene leaves it open whether there are lists; they may save time
+  bool is_auto_, can_pay_ = true;       ///< the scene leaves it open whether there are lists; they may save time
   bool is_suited_ = false, missed_ = false;
   ListLife life_;
   Box<float> bounds_{};

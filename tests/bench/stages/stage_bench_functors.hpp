@@ -79,7 +79,7 @@ template <class Keep>
 FeatureSink<float, Keep> feature_sink(const StageScene& s, const Keep& keep, Found<uint64_t>& vertex_triangle,
                                       Found<uint64_t>& edge_edge) {
   StepState& state = s.state();
-  return {s.octree.elementary({.vertex_triangle = true, .edge_edge = true}),
+  return {s.boxes.elementary({.vertex_triangle = true, .edge_edge = true}),
           keep,
           vertex_triangle.list(),
           edge_edge.list(),
@@ -114,7 +114,7 @@ inline LeafPairs tile_pairs(const LevelGrid& grid, Span<const Box<float>> boxes,
 }
 
 inline MortonKeys morton_keys(const StageScene& s) {
-  const BvhBuffers<CpuExec>& bvh = s.buffers.bvh;
+  const BvhBuffers<CpuExec>& bvh = s.hierarchy.buffers();
   return {&s.state().bounds,      {&s.state().bounds, &s.state().extents, s.triangles()},
           s.buffers.boxes.all(),  bvh.keys[0].all(),
           bvh.triangles[0].all(), bvh.meeting.all()};

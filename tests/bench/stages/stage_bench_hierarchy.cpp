@@ -13,7 +13,7 @@ void bench_keys(StageScene& s, benchmark::State& state) {
 }
 
 void bench_sort(StageScene& s, benchmark::State& state) {
-  const BvhBuffers<CpuExec>& bvh = s.buffers.bvh;
+  const BvhBuffers<CpuExec>& bvh = s.hierarchy.buffers();
   const SortArrays arrays{bvh.keys[0].all(), bvh.keys[1].all(), bvh.triangles[0].all(), bvh.triangles[1].all()};
   measure(
       state, s.triangles(), [&] { make_keys(s); }, [&] { s.exec.sort_pairs("sort", MortonKeys::kBits, arrays); });

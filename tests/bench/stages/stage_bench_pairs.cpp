@@ -29,7 +29,7 @@ class Tiles {
     s.hierarchy.sort();
     s.hierarchy.join();
     std::vector<uint32_t> order;
-    const BvhNode* nodes = s.buffers.bvh.nodes.data();
+    const BvhNode* nodes = s.hierarchy.buffers().nodes.data();
     for (uint64_t leaf = 0; leaf < s.triangles(); ++leaf) {
       const bool is_left = leaf + 1 < s.triangles() && nodes[2 * leaf].is_leaf();
       order.push_back(nodes[is_left ? 2 * leaf : 2 * leaf - 1].triangle());
@@ -69,7 +69,7 @@ void bench_search(StageScene& s, benchmark::State& state) {
   const uint64_t tests = s.step.leaves[LeafSum::kTests];
   measure(
       state, tests, [&] { pairs = 0; },
-      [&] { s.octree.search("count_pairs", s.plan, CountPairs{&pairs}, s.state().next_item); });
+      [&] { s.octree.search("count_pairs", CountPairs{&pairs}, s.state().next_item, true); });
   state.counters["tests_per_pair"] = static_cast<double>(tests) / static_cast<double>(pairs);
 }
 

@@ -107,16 +107,33 @@ void StageScene::run_step() {
     pipeline.detect_contacts(true, settings_of(spec, {}), 0);
   }
   step = state();
-  plan.base = step.grid.grid.base;
-  plan.levels = plan.base - step.grid.grid.top + 1;
-  while (plan.rounds < kMaxRounds && step.bricks[plan.rounds] > 0) ++plan.rounds;
+  plan.needs = needs_of(spec, settings_of(spec, {}));
+  boxes.begin(plan.needs);
+  boxes.box_triangles(true);
+  for (int i = 0; i < kSteps; ++i) build_octree();
+  hierarchy.begin(plan);
   hierarchy.reserve();
   hierarchy.measure();
 }
 
+/// As the pipeline does in a step.
+void StageScene::build_octree() {
+  do {
+    octree.plan(plan);
+    octree.begin(plan);
+    octree.reserve();
+    state() = {};
+    octree.clear();
+    octree.measure();
+    octree.build();
+  } while (octree.grow(state()) || octree.must_refine(state()));
+  FrameCounts counts_of_step;
+  octree.finish(state(), counts_of_step);
+}
+
 void StageScene::find_pairs() {
   pairs.reserve(step.pairs);
-  octree.search("list_pairs", plan, ListPairs{&pairs}, state().next_item);
+  octree.search("list_pairs", ListPairs{&pairs}, state().next_item, true);
 }
 
 template <class Kind>

@@ -47,15 +47,18 @@ class StageScene {
   CpuExec exec{1, 0};  ///< one thread: figures are those of one core
   SceneBuffers<CpuExec, float> buffers{exec};
   Searcher<CpuExec> searcher{exec};
-  OctreePhase<CpuExec, float> octree{exec, searcher, spec, counts, buffers};
-  LbvhPhase<CpuExec, float> hierarchy{exec, searcher, counts, buffers};
-  OctreePlan plan;                                   ///< of the step
+  StepContext<CpuExec, float> context{exec, searcher, spec, counts, buffers};
+  BoxPhase<CpuExec, float> boxes{context};
+  OctreePhase<CpuExec, float> octree{context};
+  LbvhPhase<CpuExec, float> hierarchy{context};
+  StepPlan plan;                                     ///< of the step
   StepState step{};                                  ///< as the step left it
   std::vector<std::pair<uint32_t, uint32_t>> pairs;  ///< of triangles whose boxes overlap
 
  private:
   void make_resident(const Case& step);
   void run_step();
+  void build_octree();
   void find_pairs();
   template <class Kind>
   void find_queries(QueryLists& lists) const;

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <random>
 
-#include "gpu/lbvh/lbvh.hpp"
+#include "gpu/engines/lbvh/lbvh.hpp"
 #include "tests/bench/stages/stage_bench.hpp"
 
 namespace collided::test {

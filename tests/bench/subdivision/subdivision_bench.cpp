@@ -7,8 +7,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "gpu/octree/cell_grid.hpp"
-#include "gpu/octree/subdivision.hpp"
+#include "gpu/engines/octree/cell_grid.hpp"
+#include "gpu/engines/octree/subdivision.hpp"
 #include "tests/bench/inputs.hpp"
 
 namespace collided::test {

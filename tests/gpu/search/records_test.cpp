@@ -1,6 +1,6 @@
 // What the boxes in the records of triangles decide in double, against the boxes that make candidates.
 
-#include "gpu/search/records.hpp"
+#include "gpu/boxes/records.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Grids whose cells come from the triangles: the size of the cells, and the cut of two levels.
 
-#include "gpu/octree/cell_grid.hpp"
+#include "gpu/engines/octree/cell_grid.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The cells that boxes cover, by their places, one by one and shared by threads.
 
-#include "gpu/octree/covered.hpp"
+#include "gpu/engines/octree/covered.hpp"
 
 #include <gtest/gtest.h>
 

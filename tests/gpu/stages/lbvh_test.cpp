@@ -1,6 +1,6 @@
 // The linear bounding volume hierarchy: the tree, its ropes, and the pairs that its walks find.
 
-#include "gpu/lbvh/lbvh.hpp"
+#include "gpu/engines/lbvh/lbvh.hpp"
 
 #include <gtest/gtest.h>
 

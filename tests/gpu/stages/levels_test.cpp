@@ -1,12 +1,12 @@
 // Section 3.2: the thresholds that open and close levels.
 
-#include "gpu/octree/levels.hpp"
+#include "gpu/engines/octree/levels.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "gpu/step/plan/octree_planner.hpp"
+#include "gpu/engines/octree/octree_planner.hpp"
 
 namespace collided::test {
 namespace {

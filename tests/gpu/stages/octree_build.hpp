@@ -5,8 +5,8 @@
 #include <array>
 #include <utility>
 
-#include "gpu/octree/leaf_pairs.hpp"
-#include "gpu/octree/levels.hpp"
+#include "gpu/engines/octree/leaf_pairs.hpp"
+#include "gpu/engines/octree/levels.hpp"
 #include "gpu/search/cpu/pair_search.hpp"
 #include "tests/gpu/stages/octree_fixture.hpp"
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "gpu/exec/cpu/cpu_exec.hpp"
-#include "gpu/octree/refine.hpp"
-#include "gpu/octree/registration.hpp"
+#include "gpu/engines/octree/refine.hpp"
+#include "gpu/engines/octree/registration.hpp"
 
 namespace collided::test {
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "gpu/octree/leaf_pairs.hpp"
+#include "gpu/engines/octree/leaf_pairs.hpp"
 #include "gpu/search/cpu/pair_search.hpp"
 #include "tests/gpu/stages/octree_fixture.hpp"
 

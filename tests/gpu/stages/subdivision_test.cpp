@@ -1,6 +1,6 @@
 // Virtual subdivision: how large cells are, and the order by control bits in which a pair is tested in one cell alone.
 
-#include "gpu/octree/subdivision.hpp"
+#include "gpu/engines/octree/subdivision.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "gpu/octree/cell_grid.hpp"
+#include "gpu/engines/octree/cell_grid.hpp"
 #include "gpu/search/cpu/pair_search.hpp"
 #include "tests/gpu/stages/octree_fixture.hpp"
 

@@ -1,0 +1,253 @@
+#pragma once
+// Everything that a scene keeps on its backend but what engines build (each has its own). Arrays of stages that the
+// scene does not have stay empty.
+
+#include <array>
+#include <utility>
+
+#include "gpu/boxes/measure.hpp"
+#include "gpu/contacts/columns.hpp"
+#include "gpu/contacts/order.hpp"
+#include "gpu/contacts/place.hpp"
+#include "gpu/exec/buffer.hpp"
+#include "gpu/narrow/certified_ccd.hpp"
+#include "gpu/search/elementary.hpp"
+#include "gpu/search/excluded_pairs.hpp"
+#include "gpu/state/state.hpp"
+#include "gpu/types.hpp"
+
+namespace collided {
+
+/// What lists have room for, or have room for beyond what grows with the triangles, in the first step of a scene:
+/// enough for most scenes, and no more than the few triangles of a small one make.
+inline uint64_t first_length(uint64_t triangles) { return min(64 + 24 * triangles, uint64_t{1024}); }
+
+/// A list that is not there yet begins with this length, or with what is expected and a quarter more.
+template <class List>
+void begin_list(List& list, uint64_t length, uint64_t expected) {
+  if (list.capacity() == 0) list.allocate(max(length, ListLengths::with_reserve(expected)));
+}
+
+/// Topology, as resident arrays.
+template <Executor Exec>
+struct ResidentTopology {
+  explicit ResidentTopology(Exec& exec)
+      : triangles(exec, "triangles"),
+        triangle_edges(exec, "edges"),
+        edges(exec, "edges"),
+        owned(exec, "ownership"),
+        mesh_of_triangle(exec, "pair_filter"),
+        rules(exec, "pair_filter"),
+        excluded_meshes(exec, "pair_filter"),
+        ring_begin(exec, "rings"),
+        ring_vertices(exec, "rings"),
+        rest_pairs(exec, "rest_pairs") {}
+
+  PairFilter filter() const {
+    return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}, shape.is_one() ? 0 : shape.triangles};
+  }
+  VertexRings rings() const { return {ring_begin.all(), ring_vertices.all()}; }
+  ExcludedPairs excluded_pairs() const { return {rings(), {rest_pairs.all()}}; }
+
+  // Of all worlds.
+  uint64_t triangle_count() const { return shape.worlds * triangles.capacity(); }
+  WorldTable<Triangle> corners() const { return {triangles.all(), shape.worlds, shape.vertices}; }
+  WorldTable<Triangle> sides() const { return {triangle_edges.all(), shape.worlds, shape.edges}; }
+  WorldTable<EdgePair> edge_ends() const { return {edges.all(), shape.worlds, shape.vertices}; }
+
+  WorldShape shape;  ///< the tables are of one world, but for `owned`, which searches read most
+  Buffer<Triangle, Exec> triangles;
+  Buffer<Triangle, Exec> triangle_edges;
+  Buffer<EdgePair, Exec> edges;
+  Buffer<uint8_t, Exec> owned;
+  Buffer<uint32_t, Exec> mesh_of_triangle;
+  Buffer<MeshRule, Exec> rules;
+  uint32_t branches = 0;                   ///< as count_branches() says
+  IdleMeshes idle;                         ///< by mesh of one world
+  Buffer<uint64_t, Exec> excluded_meshes;  ///< slots of a KeySet
+  Buffer<uint32_t, Exec> ring_begin;
+  Buffer<uint32_t, Exec> ring_vertices;
+  Buffer<uint64_t, Exec> rest_pairs;  ///< slots of a KeySet, those of the first frame
+};
+
+/// Candidates of one kind on their way through the narrow phase.
+template <Executor Exec>
+struct CandidateBuffers {
+  explicit CandidateBuffers(Exec& exec)
+      : kept(exec, "candidates"), screened(exec, "candidates"), resumable(exec, "candidates") {}
+
+  Buffer<uint64_t, Exec> kept;             ///< that the filter keeps
+  Buffer<uint64_t, Exec> screened;         ///< those of them that no fixed direction keeps apart
+  Buffer<ResumableQuery, Exec> resumable;  ///< those of them that float has not told apart
+};
+
+template <Executor Exec, size_t... kind>
+std::array<CandidateBuffers<Exec>, sizeof...(kind)> make_candidate_buffers(Exec& exec, std::index_sequence<kind...>) {
+  return {((void)kind, CandidateBuffers<Exec>(exec))...};
+}
+
+/// Contacts of all kinds as they are found. Candidates at kCandidates have keys alone.
+template <Executor Exec, class Real>
+struct ContactBuffers {
+  explicit ContactBuffers(Exec& exec) : keys(exec, "keys"), data(exec, "contacts") {}
+
+  Buffer<uint64_t, Exec> keys;
+  Buffer<ContactData<Real>, Exec> data;
+};
+
+/// Of meshes that move as a whole.
+template <Executor Exec, class Real>
+struct RigidBuffers {
+  explicit RigidBuffers(Exec& exec)
+      : rest(exec, "rigid"), bounds(exec, "rigid"), first_vertex(exec, "rigid"), deviations(exec, "rigid") {}
+
+  Buffer<Vec3<Real>, Exec> rest;        ///< the positions that are transformed, of one mesh after the other
+  Buffer<Box<Real>, Exec> bounds;       ///< of each mesh's
+  Buffer<uint32_t, Exec> first_vertex;  ///< of every mesh of the scene; CCD only
+  Buffer<double, Exec> deviations;      ///< likewise (Deviations)
+};
+
+/// Of a set of worlds.
+template <Executor Exec>
+struct WorldBuffers {
+  explicit WorldBuffers(Exec& exec)
+      : frame(exec, "worlds"), bounds(exec, "worlds"), extents(exec, "worlds"), filters(exec, "worlds") {}
+
+  void reserve(uint32_t worlds) {
+    frame.allocate(worlds);
+    bounds.allocate(worlds);
+    extents.allocate(worlds);
+    filters.allocate(worlds);
+  }
+
+  Buffer<uint8_t, Exec> frame;        ///< what the frame does with each (kStepsWorld)
+  Buffer<Box<float>, Exec> bounds;    ///< of each one's triangles in the step
+  Buffer<uint64_t, Exec> extents;     ///< of the triangles, as in StepState
+  Buffer<FilterScale, Exec> filters;  ///< likewise
+  uint64_t stepped = 0;               ///< worlds in the frame
+};
+
+/// What stays from frame to frame: what the scene is made of, and where it is.
+template <Executor Exec, class Real>
+struct ResidentBuffers {
+  explicit ResidentBuffers(Exec& exec)
+      : topology(exec),
+        start(exec, "start_positions"),
+        end(exec, "positions"),
+        last_good(exec, "last_good"),
+        target(exec, "advance"),
+        rigid(exec),
+        worlds(exec) {}
+
+  SteppedWorlds stepped_worlds() const { return {worlds.frame.data(), topology.shape.triangles}; }
+
+  ResidentTopology<Exec> topology;
+  Buffer<Vec3<Real>, Exec> start;  ///< CCD only
+  Buffer<Vec3<Real>, Exec> end;
+  Buffer<Vec3<Real>, Exec> last_good;  ///< `end` of the last good frame: DCD, and CCD where a step begins elsewhere
+  Buffer<Vec3<Real>, Exec> target;     ///< where the frame wants to go; frames that advance
+  RigidBuffers<Exec, Real> rigid;
+  WorldBuffers<Exec> worlds;
+};
+
+/// What a step works with. It begins anew with each step, but for the boxes and records of static meshes.
+template <Executor Exec, class Real>
+struct WorkBuffers {
+  explicit WorkBuffers(Exec& exec)
+      : boxes(exec, "boxes"),
+        records(exec, "records"),
+        paths(exec, "records"),
+        inflations(exec, "records"),
+        state(exec, "counters"),
+        triangle_pairs(exec, "pairs"),
+        candidates(make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{})),
+        contacts(exec),
+        earliest(exec),
+        normals(exec, "contacts"),
+        columns(exec),
+        order(exec),
+        room(exec, "contacts"),
+        layout(exec, "contacts"),
+        exact_keys(exec, "exact"),
+        exact_points(exec, "exact"),
+        sample(exec, "watched_positions") {}
+
+  Buffer<Box<float>, Exec> boxes;
+  Buffer<TriangleRecord<Real>, Exec> records;
+  Buffer<Path<Real>, Exec> paths;  ///< of each vertex, where records do not have them
+  Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn
+  Buffer<StepState, Exec> state;
+  Buffer<uint64_t, Exec> triangle_pairs;
+  std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
+  ContactBuffers<Exec, Real> contacts;
+  ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
+  Buffer<Normal, Exec> normals;         ///< of the contacts as they were found
+  ColumnBuffers<Exec> columns;          ///< in canonical order
+  OrderBuffers<Exec> order;
+  Buffer<Span<std::byte>, Exec> room;  ///< where contacts stay; frames that have such memory
+  Buffer<ContactLayout, Exec> layout;  ///< of those there
+  Buffer<uint64_t, Exec> exact_keys;
+  Buffer<Vec3<Real>, Exec> exact_points;
+  Buffer<Vec3<Real>, Exec> sample;  ///< positions on their way to those who watch the scene
+};
+
+template <Executor Exec, class Real>
+struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
+  explicit SceneBuffers(Exec& exec) : ResidentBuffers<Exec, Real>(exec), WorkBuffers<Exec, Real>(exec), share(exec) {}
+
+  ResidentShare<Exec> share;
+
+  SceneSize size(uint64_t triangles) const {
+    StepState* state = this->state.data();
+    return {this->boxes.span(triangles), &state->bounds, &state->extents, share.data()};
+  }
+  PairFilter pair_filter() const {
+    PairFilter filter = this->topology.filter();
+    if (share.is_shard()) filter.own = {share.data(), this->boxes.data()};
+    return filter;
+  }
+
+  /// Runs after the scene and its worlds are measured, because bounds are those of all triangles.
+  void leave_out_idle(Exec& exec, uint64_t triangles) {
+    if (this->topology.idle.has_any())
+      exec.for_each("leave_out_idle", triangles, LeaveOutIdle{this->topology.filter(), this->boxes.span(triangles)});
+  }
+
+  ListLengths expected;
+
+  void reserve_boxes(uint64_t triangles, uint64_t vertices) {
+    this->boxes.allocate(triangles);
+    this->records.allocate(triangles);
+    if (kRoundsBoxes<Real>) this->paths.allocate(vertices);
+    if (may_turn()) this->inflations.allocate(triangles);
+  }
+
+  /// Nothing is expected any more: lists begin anew with what most scenes need.
+  void expect_nothing(Exec& exec) {
+    expected = {};
+    this->triangle_pairs = {exec, "pairs"};
+    this->candidates = make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{});
+    this->contacts = ContactBuffers<Exec, Real>(exec);
+    this->earliest = ContactBuffers<Exec, Real>(exec);
+  }
+
+  TriangleRecords<Real> triangle_records() const { return {this->records.all(), this->paths.all()}; }
+
+  /// Of each triangle's boxes; empty where no mesh may turn, whatever an edit that was undone left there.
+  Span<Real> triangle_inflations() const { return may_turn() ? this->inflations.all() : Span<Real>{}; }
+
+  /// At t = 0; in DCD the frame's own.
+  const Vec3<Real>* positions_at_start(bool is_ccd) const { return is_ccd ? this->start.data() : this->end.data(); }
+
+  /// Of the step in work; none in DCD, which looks at its end alone.
+  Deviations deviations(bool is_ccd) const {
+    if (!is_ccd) return {};
+    const RigidBuffers<Exec, Real>& rigid = this->rigid;
+    return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
+  }
+
+ private:
+  bool may_turn() const { return this->rigid.deviations.capacity() > 0; }
+};
+
+}  // namespace collided

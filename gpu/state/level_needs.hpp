@@ -1,0 +1,96 @@
+#pragma once
+// What a frame's level and report need: which lists, stages and filters there are at all.
+
+#include "gpu/contacts/columns.hpp"
+#include "gpu/contacts/layout.hpp"
+#include "gpu/state/settings.hpp"
+
+namespace collided {
+
+struct LevelNeeds {
+  FrameSettings settings{};
+  PerKind<bool> kinds = {};
+  FieldSet fields = {};           ///< that are asked for
+  bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
+  bool has_room = false;          ///< there is memory of the backend for contacts
+  ContactWidths widths = {};      ///< of what is put there
+
+  bool operator==(const LevelNeeds&) const = default;
+
+  bool is_ccd() const { return settings.is_ccd(); }
+  bool is_exact() const { return settings.accuracy == Accuracy::kExact; }
+  bool is_earliest_only() const { return settings.report == Report::kEarliestOnly; }
+  bool is_any_hit() const { return settings.report == Report::kAnyHit; }
+  /// Only the list of all contacts has those that come no closer.
+  bool skips_separating() const { return settings.ignore_separating && settings.report != Report::kAll; }
+
+  /// Candidates of features are looked at more closely.
+  bool has_narrow_phase() const { return settings.accuracy != Accuracy::kCandidates; }
+  /// Triangles of a frame are tested at every level; in CCD their boxes are all there is.
+  bool tests_triangles() const { return kinds.triangle_triangle && !is_ccd(); }
+  /// What is reported of a kind is a contact, not just a candidate.
+  bool tests(ContactKind kind) const { return is_of_features(kind) ? has_narrow_phase() : tests_triangles(); }
+  /// Contacts stay on the backend.
+  bool keeps_contacts() const { return has_room && !is_any_hit(); }
+  /// The step itself puts them where they are to stay; at kExact the host decides first which are contacts.
+  bool places_contacts() const { return keeps_contacts() && !is_exact(); }
+  /// At kExact: contacts of features are decided in the step, as far as that goes.
+  bool decides_in_step() const { return is_exact() && settings.thickness == 0; }
+  bool has_times() const { return columns().has(ContactField::kToi); }
+
+  /// Contacts have more than their ids.
+  bool has_data() const { return has_narrow_phase() || tests_triangles(); }
+
+  /// What contacts of a kind have.
+  FieldSet fields_of(ContactKind kind) const {
+    FieldSet present = {ContactField::kElements};
+    if (!tests(kind)) return present;
+    present = present.with(ContactField::kFlags);
+    if (!is_of_features(kind)) return present;
+    if (is_ccd()) present = present.with(ContactField::kToi);
+    if (is_any_hit()) return present;  // no contact is returned
+    for (const ContactField field : {ContactField::kDistance, ContactField::kWeights, ContactField::kNormals})
+      if (fields.has(field)) present = present.with(field);
+    return present;
+  }
+  /// What any of them has.
+  FieldSet columns() const {
+    FieldSet all;
+    for_each_kind([&](ContactKind kind, bool is_wanted) { all = is_wanted ? all | fields_of(kind) : all; }, kinds);
+    return all;
+  }
+
+  /// A filter in float rules candidates out before they are stored.
+  bool has_filter() const { return settings.accuracy >= (is_ccd() ? Accuracy::kGuarded : Accuracy::kCertified); }
+  /// CCD tries a fixed direction before it follows the features, and float goes ahead of double.
+  bool is_screened() const { return is_ccd() && settings.accuracy >= Accuracy::kGuarded; }
+  bool is_approached() const { return is_screened() && settings.accuracy >= Accuracy::kCertified; }
+  /// DCD looks again at pairs that are neither certain to be apart nor certain to be within the thickness.
+  bool looks_twice() const { return !is_ccd() && settings.accuracy >= Accuracy::kCertified; }
+
+  bool judges_resolution() const { return settings.accuracy >= Accuracy::kGuarded; }
+};
+
+inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings, const ContactRoom& room = {}) {
+  LevelNeeds needs{settings, spec.kinds, spec.fields};
+  needs.has_room = !room.memory.empty();
+  if (!needs.has_room) return needs;
+  for_each_kind(
+      [&](ContactKind kind, bool is_wanted) {
+        if (is_wanted) needs.widths.set(kind, needs.fields_of(kind) & room.fields, room.stencils);
+      },
+      spec.kinds);
+  return needs;
+}
+
+/// Of the step that finds the pairs of features that are within rest_distance. They are where they are, whatever the
+/// scene's mode, and decided in exact arithmetic: a pair that is farther apart by any amount is not among them.
+inline LevelNeeds needs_of_rest_pairs(const SceneSpec& spec) {
+  const FrameSettings settings{Mode::kDcd,         Accuracy::kExact,   0,    Report::kAll,
+                               spec.rest_distance, spec.rest_distance, false};
+  PerKind<bool> kinds = spec.kinds;
+  kinds.triangle_triangle = false;
+  return {settings, kinds, {ContactField::kElements}, true};
+}
+
+}  // namespace collided
