@@ -30,10 +30,10 @@
 #include "server/ops/exit_deadline.hpp"
 #include "server/ops/lifecycle.hpp"
 #include "server/ops/log.hpp"
+#include "server/ops/supervisor/ready_file.hpp"
+#include "server/ops/supervisor/supervisor.hpp"
 #include "server/start_limits.hpp"
 #include "server/start_watch.hpp"
-#include "server/supervisor/ready_file.hpp"
-#include "server/supervisor/supervisor.hpp"
 #include "server/usable_memory.hpp"
 
 namespace {

@@ -47,11 +47,13 @@ class SceneModel {
     std::shared_ptr<const SceneShape> slot_shape;
     ResidentBuffers<Exec, Real> buffers;
   };
-  /// Exchanges them. Throws nothing.
+  /// Exchanges them. Throws nothing. Other threads make slots meanwhile, so their shape stays until there is another.
   void swap(Parts& parts) noexcept {
     std::swap(topology_, parts.topology);
     std::swap(shape_, parts.shape);
-    parts.slot_shape = slot_shape_.exchange(std::move(parts.slot_shape));
+    auto before = slot_shape_.load();
+    if (parts.slot_shape) slot_shape_ = std::move(parts.slot_shape);
+    parts.slot_shape = std::move(before);
     std::swap(static_cast<ResidentBuffers<Exec, Real>&>(buffers_), parts.buffers);
   }
   /// Becomes what the spec says, with its vertices nowhere yet. After a throw its parts are of no use.

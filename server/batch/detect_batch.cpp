@@ -108,10 +108,10 @@ class Batch {
     frame.basis.plan = set.plan();
     frame.frame_id = message.frame_id();
     check_frame_id(message.frame_id());
-    host_.usage().count_frame(set.facts().owner);
+    host_.usage().count_frame(set.identity().owner);
     SetFrameInput parsed = parse_set_frame(message, frame.basis.plan->engine);
     if (parsed.input.accuracy)
-      check_max_accuracy(*parsed.input.accuracy, set.facts().owner->limits.max_accuracy, "frame.accuracy");
+      check_max_accuracy(*parsed.input.accuracy, set.identity().owner->limits.max_accuracy, "frame.accuracy");
     send_in_one_piece(set, parsed.input);
     frame.bytes_in = message.positions().size() + message.start_positions().size();
     frame.input = std::move(parsed.input);

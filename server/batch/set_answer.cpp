@@ -63,7 +63,7 @@ void fill_answer(const Scene& set, AnsweredFrame& frame, const std::vector<uint3
       pb::WorldContacts& contacts = *out->add_contacts();
       const std::vector<uint64_t> begins = begins_in_frame(value_of(by_world.begin, chunk.kind), worlds);
       contacts.set_begin(begins.data(), begins.size() * sizeof(uint64_t));
-      fill_chunk(chunk, set.topology(), contacts.mutable_contacts());
+      fill_chunk(chunk, set.engine().topology(), contacts.mutable_contacts());
     }
     fill_errors(by_world.refused, path_of(index), out);
   });

@@ -10,7 +10,7 @@
 #include "gpu/detector.hpp"
 #include "gpu/stencil.hpp"
 #include "server/convert/kinds.hpp"
-#include "server/scenes/scene_plan.hpp"
+#include "server/scenes/scene/plan.hpp"
 
 namespace collided::server {
 

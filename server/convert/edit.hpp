@@ -6,7 +6,7 @@
 
 #include "collided/v1/scene.pb.h"
 #include "server/config/config.hpp"
-#include "server/scenes/scene_plan.hpp"
+#include "server/scenes/scene/plan.hpp"
 
 namespace collided::server {
 

@@ -108,12 +108,12 @@ void fill_scene(const Scene& scene, pb::Scene* out) {
   out->set_triangle_count(now.triangles);
   for (const auto& part : now.memory) fill_part(part, out->add_memory());
   out->set_last_frame_id(now.last_frame_id);
-  out->set_lease_seconds(scene.facts().lease_seconds);
-  out->set_resume_token(scene.facts().resume_token);
+  out->set_lease_seconds(scene.identity().lease_seconds);
+  out->set_resume_token(scene.identity().resume_token);
   out->set_endpoint(scene.endpoint());
   out->set_edit_count(now.edits);
   out->set_worlds(now.plan->engine.worlds);
-  out->set_device_id(to_string(scene.device()));
+  out->set_device_id(to_string(now.plan->engine.device));
 }
 
 void fill_estimate(const ScenePlan& plan, pb::EstimateSceneResponse* out) try {

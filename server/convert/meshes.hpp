@@ -8,8 +8,7 @@
 
 #include "collided/v1/scene.pb.h"
 #include "server/config/config.hpp"
-#include "server/scenes/scene_plan.hpp"
-#include "server/scenes/upload.hpp"
+#include "server/scenes/scene/plan.hpp"
 
 namespace collided::server {
 

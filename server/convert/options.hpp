@@ -9,7 +9,7 @@
 #include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
 #include "gpu/detector.hpp"
-#include "server/scenes/scene_plan.hpp"
+#include "server/scenes/scene/plan.hpp"
 
 namespace collided::server {
 

@@ -12,8 +12,8 @@
 
 #include "gpu/detector.hpp"
 #include "server/config/config.hpp"
-#include "server/limits/device_bytes.hpp"
-#include "server/limits/turns.hpp"
+#include "server/devices/device_bytes.hpp"
+#include "server/devices/turns.hpp"
 #include "server/ops/clock.hpp"
 
 namespace collided::server {

@@ -8,7 +8,7 @@
 
 #include "gpu/detector.hpp"
 #include "server/ops/clock.hpp"
-#include "server/scenes/scene_plan.hpp"
+#include "server/scenes/scene/plan.hpp"
 
 namespace collided::server {
 

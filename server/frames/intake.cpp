@@ -20,7 +20,7 @@ constexpr uint64_t kMaxFrameId = std::numeric_limits<int64_t>::max();
 
 // The slot reads from the message, or from where it was placed, until the frame has been applied.
 void send_positions(Scene& scene, std::shared_ptr<FrameSlot> slot, PendingFrame& frame) {
-  if (!slot) slot = scene.take_slot();
+  if (!slot) slot = scene.engine().take_slot();
   naming_paths(frame_path, [&] { slot->send(frame.input.updates); });
   frame.input.updates.clear();
   frame.input.slot = std::move(slot);
@@ -85,7 +85,7 @@ void check_frame_id(uint64_t id) {
 }
 
 void send_in_one_piece(Scene& set, FrameInput& input) {
-  std::shared_ptr<FrameSlot> slot = set.take_slot();
+  std::shared_ptr<FrameSlot> slot = set.engine().take_slot();
   naming_paths(frame_path, [&] {
     move_to(slot->room(position_bytes_of(input)), input);
     slot->send(input.updates);
@@ -102,13 +102,13 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
   try {
     if (incoming.refusal) std::rethrow_exception(incoming.refusal);
     check_frame_id(message.frame_id());
-    host.usage().count_frame(scene.facts().owner);
+    host.usage().count_frame(scene.identity().owner);
     const bool is_set = frame.basis.plan->engine.worlds > 0;
     if (is_set)
       take_set_frame(message, incoming, frame);
     else
       take_frame(message, incoming, frame);
-    const Accuracy max = scene.facts().owner->limits.max_accuracy;
+    const Accuracy max = scene.identity().owner->limits.max_accuracy;
     if (frame.input.accuracy) check_max_accuracy(*frame.input.accuracy, max, "frame.accuracy");
     if (is_set) {
       send_set(scene, std::move(incoming.slot), frame.input);

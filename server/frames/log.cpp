@@ -43,7 +43,7 @@ void log_stream_opened(const StreamKind& kind, const Scene& scene, uint32_t wind
   log_event(spdlog::level::info, fmt::format("{} opened", kind.name),
             {{"scene", scene.id()},
              {"window", window},
-             {"client", scene.facts().owner->name},
+             {"client", scene.identity().owner->name},
              {"request", ids.request_id},
              {"trace", ids.trace_id}});
 }

@@ -54,13 +54,14 @@ void ServiceObserver::resumed(const Scene&) { metrics_.count_reconnect(); }
 
 void ServiceObserver::expired(const Scene& scene) {
   log_event(spdlog::level::info, "scene deleted: its lease ran out",
-            {{"scene", scene.id()}, {"lease_seconds", scene.facts().lease_seconds}});
+            {{"scene", scene.id()}, {"lease_seconds", scene.identity().lease_seconds}});
 }
 
 void ServiceObserver::device_failed(const Scene& scene, const std::string& why) {
+  const auto plan = scene.plan();
   log_event(spdlog::level::err, "device error",
-            {{"scene", scene.id()}, {"device", to_string(scene.device())}, {"reason", why}});
-  for (const Device& device : scene.devices())
+            {{"scene", scene.id()}, {"device", to_string(plan->engine.device)}, {"reason", why}});
+  for (const Device& device : devices_of(plan->engine))
     if (!device_works(device)) lifecycle_.fail("a device no longer responds: " + to_string(device) + ": " + why);
 }
 

@@ -13,18 +13,19 @@
 namespace collided::server {
 namespace {
 
+// While one part of a scene in parts yields, the others go on.
+bool can_yield(const SceneSpec& spec) { return spec.device.backend == Backend::kCpu && !is_in_parts(spec); }
+
 // Called at each checkpoint of the engine: whether to abandon the frame. May yield its turn meanwhile.
-bool should_stop(const Scene& scene, uint64_t frame_id, TurnsOfScene::Turn& turn,
+bool should_stop(const ClientIdentity& owner, uint64_t frame_id, TurnsOfScene::Turn& turn, bool yields,
                  const std::function<bool()>& cancelled) {
   if (cancelled && cancelled()) return true;
-  const ClientIdentity& owner = *scene.facts().owner;
   const double seconds = turn.seconds(), limit = owner.limits.max_frame_seconds;
   if (seconds > limit)
     throw LimitExceeded::quota(
         "client:" + owner.name,
         fmt::format("max_frame_seconds is {}, and frame {} has run for {:.3f} s", limit, frame_id, seconds));
-  // The other parts of a scene in parts go on meanwhile.
-  if (scene.device().backend == Backend::kCpu && !scene.is_in_parts()) turn.yield_turn(cancelled);
+  if (yields) turn.yield_turn(cancelled);
   return false;
 }
 
@@ -38,18 +39,21 @@ bool is_too_much(const LimitExceeded& refusal, const FrameProgress& progress) {
 template <class Refusal>
 Refusal advised(const Refusal& refusal, const Scene& scene, const FrameInput& frame, const FrameProgress& progress) {
   const auto plan = scene.plan();
-  return with_advice(refusal, progress, {plan->engine, frame, [&](uint32_t mesh) { return scene.mesh_name(mesh); }});
+  return with_advice(refusal, progress,
+                     {plan->engine, frame, [&](uint32_t mesh) { return scene.record().mesh_name(mesh); }});
 }
 
 FrameResult apply_in_turn(Scene& scene, PendingFrame& frame, const std::function<bool()>& cancelled, FrameCost& cost) {
-  auto turn = scene.take_turn(cancelled);
-  if (!frame.input.room.memory.empty()) frame.input.room.first_on_host = most_watched(scene);
-  frame.input.cancelled = [&] { return should_stop(scene, frame.frame_id, turn, cancelled); };
+  auto turn = scene.engine().take_turn(cancelled);
+  if (!frame.input.room.memory.empty()) frame.input.room.first_on_host = most_watched(scene.record().watchers());
+  const ClientIdentity& owner = *scene.identity().owner;
+  const bool yields = can_yield(scene.plan()->engine);
+  frame.input.cancelled = [&] { return should_stop(owner, frame.frame_id, turn, yields, cancelled); };
   FrameProgress progress;
   frame.input.progress = &progress;
   FrameResult result;
   try {
-    result = scene.apply(frame.frame_id, frame.input, frame.basis);
+    result = scene.engine().apply(frame.frame_id, frame.input, frame.basis);
   } catch (const LimitExceeded& e) {
     if (!is_too_much(e, progress)) throw;
     throw advised(e, scene, frame.input, progress);
@@ -90,7 +94,7 @@ AnsweredFrame run_frame(Scene& scene, PendingFrame& frame, const std::function<b
   answered.cost.decode_milliseconds = frame.decode_milliseconds;
   answered.cost.bytes_in = frame.bytes_in;
   answered.result = apply_in_turn(scene, frame, cancelled, answered.cost);
-  answered.cost.device_bytes = scene.device_bytes();
+  answered.cost.device_bytes = scene.record().device_bytes();
   return answered;
 }
 

@@ -89,7 +89,7 @@ void FrameSession::submit(PendingFrame frame) {
 // A frame that is already refused stays, so that its error is reported; so do all of a scene that has yet to see where
 // its meshes rest, and what a frame between them and the latest begins at.
 void FrameSession::skip_older_locked(const PendingFrame& latest) {
-  if (scene_->awaits_rest()) return;
+  if (scene_->record().awaits_rest()) return;
   for (Waiting& older : waiting_ | std::views::reverse) {
     if (older.is_skipped || older.frame.refusal) continue;
     if (!covers(latest, older.frame)) {
@@ -179,7 +179,7 @@ void FrameSession::close() {
     dropped.swap(waiting_);
     sink.swap(sink_);
   }
-  scene_->end_stream(*this);
+  scene_->record().end_stream(*this);
 }
 
 void FrameSession::end(const std::exception_ptr& why) {

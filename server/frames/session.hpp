@@ -12,7 +12,7 @@
 #include "server/ops/log.hpp"
 #include "server/refusals/status.hpp"
 #include "server/scenes/scene.hpp"
-#include "server/scenes/scene_stream.hpp"
+#include "server/scenes/scene/stream.hpp"
 
 namespace collided::server {
 

@@ -19,7 +19,7 @@ struct WatchedFrame {
 };
 
 /// How many contacts of each kind the most demanding watcher shows; 0 if nobody watches.
-uint32_t most_watched(const Scene& scene);
+uint32_t most_watched(const SceneWatchers& watchers);
 
 /// Shows the frame, whose cost must be complete, to the scene's watchers. On the scene's worker. Never throws: what
 /// goes wrong ends the watches, not the frame.

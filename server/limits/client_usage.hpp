@@ -12,7 +12,7 @@
 
 #include "gpu/types.hpp"
 #include "server/auth/client.hpp"
-#include "server/limits/device_bytes.hpp"
+#include "server/devices/device_bytes.hpp"
 #include "server/ops/clock.hpp"
 
 namespace collided::server {

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/limits/turns.hpp"
+#include "server/devices/turns.hpp"
 
 namespace collided::server {
 

@@ -1,21 +1,10 @@
 // Recently ended scenes.
 #include "server/scenes/ended_scenes.hpp"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace collided::server {
-
-std::string SceneEnd::text(std::chrono::steady_clock::time_point now) const {
-  if (!is_expired) return "was deleted";
-  const double ago = std::max(0.0, std::chrono::duration<double>(now - when).count());
-  return fmt::format(
-      "was deleted, as its lease of {:g} s ran out {:g} s ago: create it again, or ask for a longer lease_seconds",
-      lease_seconds, std::floor(ago));
-}
 
 void EndedScenes::add(const std::string& client, std::string id, SceneEnd end) {
   auto& entries = clients_[client];

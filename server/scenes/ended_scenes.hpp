@@ -1,23 +1,14 @@
 #pragma once
 // Recently ended scenes, remembered so that their clients learn why they ended. No gRPC here.
 
-#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <map>
 #include <string>
 
+#include "server/scenes/scene/record.hpp"
+
 namespace collided::server {
-
-/// How a scene ended.
-struct SceneEnd {
-  bool is_expired = false;  ///< false: deleted by its client
-  double lease_seconds = 0;
-  std::chrono::steady_clock::time_point when{};
-
-  /// Such as "was deleted"; `now` dates it.
-  std::string text(std::chrono::steady_clock::time_point now) const;
-};
 
 /// Not thread-safe.
 class EndedScenes {

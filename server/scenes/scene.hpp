@@ -1,59 +1,24 @@
 #pragma once
-// A resident scene: its plan, its detector, its worker, its one stream, its lease, and its visible state.
-// No gRPC here.
+// A resident scene: its record and lease, its uploads, its engine and its worker. No gRPC here.
 
-#include <atomic>
-#include <chrono>
-#include <cstdint>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "gpu/detector.hpp"
-#include "server/auth/client.hpp"
 #include "server/devices/served_devices.hpp"
-#include "server/limits/device_bytes.hpp"
-#include "server/limits/parted_bytes.hpp"
-#include "server/limits/turns_of_scene.hpp"
 #include "server/ops/clock.hpp"
-#include "server/scenes/ended_scenes.hpp"
+#include "server/scenes/scene/engine.hpp"
+#include "server/scenes/scene/lease.hpp"
+#include "server/scenes/scene/plan.hpp"
+#include "server/scenes/scene/record.hpp"
+#include "server/scenes/scene/uploads.hpp"
+#include "server/scenes/scene/worker.hpp"
 #include "server/scenes/scene_observer.hpp"
-#include "server/scenes/scene_plan.hpp"
-#include "server/scenes/scene_stream.hpp"
-#include "server/scenes/scene_worker.hpp"
-#include "server/scenes/slot_pool.hpp"
-#include "server/scenes/upload.hpp"
-#include "server/scenes/watching.hpp"
 
 namespace collided::server {
 
-/// The visible state of a scene at one moment.
-struct SceneSnapshot {
-  bool ready = false;
-  std::string device;
-  uint64_t vertices = 0, edges = 0, triangles = 0;
-  std::vector<MemoryPart> memory;
-  uint64_t last_frame_id = 0;
-  uint64_t edits = 0;
-  std::shared_ptr<const ScenePlan> plan;  ///< without its triangles
-};
-
-/// Facts fixed when a scene is created.
-struct SceneFacts {
-  std::string id;
-  std::string resume_token;  ///< a secret
-  std::string request_id;    ///< of the request that created it; may be empty
-  uint64_t fingerprint = 0;  ///< of that request
-  Client owner;
-  double lease_seconds = 0;
-  size_t queue_capacity = 0;  ///< initial maximum of waiting unary frames
-};
-
-/// Shared by all scenes. Everything it refers to outlives them.
-struct SceneSurroundings {
+/// Holds what all scenes share. Everything that it refers to outlives them.
+struct SceneContext {
   ServedDevices& devices;
   SceneObserver& observer;
   std::string endpoint = {};  ///< address advertised to clients for streaming; empty: the one they used
@@ -61,146 +26,54 @@ struct SceneSurroundings {
   std::string name = {};      ///< of the daemon: begins the ids of scenes; empty: nothing does
 };
 
+/// Puts the pieces together: each says what it guards, and none calls another one with its lock held.
 class Scene {
  public:
   /// Throws LimitExceeded if its triangles and meshes alone exceed a limit.
-  Scene(SceneFacts facts, ScenePlan plan, SceneSurroundings surroundings);
+  Scene(SceneIdentity identity, ScenePlan plan, SceneContext context);
 
-  const std::string& id() const { return facts_.id; }
-  const SceneFacts& facts() const { return facts_; }
-  /// Of a scene in parts the first one's. No edit changes it.
-  const Device& device() const { return device_; }
-  /// All that it is on, each once, in order.
-  const std::vector<Device>& devices() const { return devices_; }
-  bool is_in_parts() const { return parted_ != nullptr; }
+  const std::string& id() const { return record_.id(); }
+  const SceneIdentity& identity() const { return record_.identity(); }
   /// The plan without its triangles, as the last edit left it. From any thread.
-  std::shared_ptr<const ScenePlan> plan() const {
-    const std::lock_guard lock(mutex_);
-    return shown_.plan;
-  }
-  SceneWorker& worker() { return worker_; }
-  SceneObserver& observer() const { return surroundings_.observer; }
-  Clock::time_point now() const { return surroundings_.now(); }
-  const std::string& endpoint() const { return surroundings_.endpoint; }
+  std::shared_ptr<const ScenePlan> plan() const { return record_.plan(); }
   SceneSnapshot snapshot() const;
-  /// Number of edits so far.
-  uint64_t edits() const {
-    const std::lock_guard lock(mutex_);
-    return shown_.edits;
-  }
-  /// Sum of the snapshot's memory, without a copy of it.
-  uint64_t device_bytes() const;
+  SceneObserver& observer() const { return context_.observer; }
+  Clock::time_point now() const { return context_.now(); }
+  const std::string& endpoint() const { return context_.endpoint; }
   /// The quota of all memory that the scene holds, within its budget and its client's limits; of a scene in parts, of
   /// what is the scene's as a whole.
-  const std::shared_ptr<DeviceBytes>& quota() const { return quota_; }
-  /// Number of triangles that a mesh still awaits.
-  uint64_t awaited(uint32_t mesh) const;
-  /// `mesh 1 ("tip")`, for messages.
-  std::string mesh_name(uint32_t mesh) const;
-  /// Reserves a mesh for one upload, so that open uploads hold no more than the scene awaits. Throws
-  /// FailedPrecondition.
-  void begin_upload(uint32_t mesh);
-  void end_upload(uint32_t mesh);
-  /// Whether all triangles have arrived but no detector could be built.
-  bool unusable() const;
+  const std::shared_ptr<DeviceBytes>& quota() const { return quota_.whole; }
 
-  /// Makes `stream` the scene's one stream. Returns the stream that it replaces, or null. Throws PermissionDenied for a
-  /// wrong token, FailedPrecondition if there is a stream and no token, or triangles are still missing.
+  SceneRecord& record() { return record_; }
+  const SceneRecord& record() const { return record_; }
+  SceneUploads& uploads() { return uploads_; }
+  SceneEngine& engine() { return engine_; }
+  const SceneEngine& engine() const { return engine_; }
+  SceneWorker& worker() { return worker_; }
+
+  /// As SceneRecord::begin_stream(). Throws FailedPrecondition if triangles are still missing, too.
   std::shared_ptr<SceneStream> begin_stream(const std::shared_ptr<SceneStream>& stream, const std::string& token);
-  /// Whether begin_stream() with this token would replace a stream.
-  bool would_take_over(const std::string& token) const;
-  /// Does nothing if another one is the scene's stream.
-  void end_stream(const SceneStream& stream);
-  std::shared_ptr<SceneStream> stream() const;
-  /// Throws NotFound once it is closed.
-  void check_open() const;
-  /// Throws what its building failed with. On the worker's thread.
-  void check_built() const;
-  /// Throws FailedPrecondition, naming `field`, for a set.
-  void check_is_one(const std::string& field) const;
-  /// Shows the watcher every frame from now on, until end_watch() or close(). Throws NotFound once it is closed.
-  void begin_watch(std::shared_ptr<SceneWatcher> watcher);
-  void end_watch(const SceneWatcher& watcher) { watchers_.remove(watcher); }
-  const SceneWatchers& watchers() const { return watchers_; }
-  /// Answers later frames and uploads with NotFound, and ends the stream and all watches.
-  void close(const SceneEnd& end);
+  /// Returns true if the scene has been unused for longer than its lease.
+  bool is_expired(Clock::time_point now) const { return lease_.is_expired(now); }
 
-  /// A free or new slot for one frame; its last reference returns it to the scene. From any thread. Throws NotFound
-  /// once the scene is deleted.
-  std::shared_ptr<FrameSlot> take_slot();
-  /// Whether a mesh excludes rest pairs, and no frame was applied yet that tells which those are.
-  bool awaits_rest() const {
-    if (!excludes_rest_pairs_) return false;
-    const std::lock_guard lock(mutex_);
-    return shown_.last_frame_id == 0;
-  }
-  /// Maximum bytes of positions in a frame.
-  uint64_t max_position_bytes() const;
-  /// Waits for this scene's turn on its devices.
-  TurnsOfScene::Turn take_turn(const std::function<bool()>& cancelled) { return turns_.take(cancelled); }
-  /// Later frames take turns of this client: the one that sends them. From any thread.
-  void charge_to(const TurnPath& client) { turns_.charge_to(client); }
+  // The worker's thread alone calls these:
 
-  /// Whether nobody has used the scene for longer than its lease.
-  bool is_expired(std::chrono::steady_clock::time_point now) const;
-
-  // On the worker's thread only:
-
-  /// Builds the detector, in turns of its client on the host, unless triangles are still missing.
-  void build_if_complete();
   /// Adds all triangles that a mesh awaits, and builds the detector once no mesh awaits any.
   void add_triangles(uint32_t mesh, ReceivedTriangles& triangles);
-  /// Checks and applies a frame; if it throws, the scene is unchanged. Throws FailedPrecondition if the scene was
-  /// edited since the frame was checked.
-  FrameResult apply(uint64_t frame_id, const FrameInput& frame, const FrameBasis& basis = {});
-  const Topology& topology() const { return detector_->topology(); }
-  /// Positions after the last frame that was applied, in the scene's format; those who ask for the same sample of one
-  /// frame share them. Throws NotFound once the scene is deleted, ResourceExhausted, LimitExceeded, DeviceError.
-  std::shared_ptr<const std::string> positions(const VertexSample& sample);
+  /// Returns true if all triangles have arrived but no detector could be built.
+  bool unusable() const { return !record_.is_ready() && !uploads_.awaits_any(); }
   /// Frees the scene's memory.
   void release();
 
  private:
   friend class SceneUse;
 
-  void check_token(const std::string& token, bool has_stream) const;
-  /// Throws FailedPrecondition for a set of worlds.
-  bool awaits_triangles() const;
-  [[noreturn]] void throw_awaits(const std::string& field) const;
-  void make_detector();
-  uint64_t host_bytes() const;
-  FrameResult detect(uint64_t frame_id, const FrameInput& frame, const FrameBasis& basis);
-  [[noreturn]] void throw_edited(uint64_t frame_id) const;
-  void take_edit(const FrameBasis& basis, MemoryHold& making);
-  void publish();
-  void begin_use();
-  void end_use();
-
-  const SceneFacts facts_;
-  const SceneSurroundings surroundings_;
-  const std::shared_ptr<PartedBytes> parted_;  // null unless it is in parts
-  const std::shared_ptr<DeviceBytes> quota_;
-  const Device device_;
-  const std::vector<Device> devices_;
-  TurnsOfScene turns_, host_turns_;   // of frames, and of building
-  MemoryHold held_;                   // plan, triangles and topology; owned by the worker after construction
-  std::exception_ptr build_failure_;  // owned by the worker
-  bool excludes_rest_pairs_ = false;  // a mesh does; fixed after construction
-  SceneSpec pending_;                 // the spec with its triangles, until the detector takes it
-  std::shared_ptr<Detector> detector_;
-  /// Of the last frame; owned by the worker.
-  std::vector<std::pair<VertexSample, std::shared_ptr<const std::string>>> samples_;
-  SceneWatchers watchers_;
-  std::atomic<bool> closed_ = false;
-  mutable std::mutex mutex_;  // guards what follows
-  SceneSnapshot shown_;
-  SceneEnd end_;  // once closed
-  std::vector<uint64_t> awaited_;
-  std::vector<bool> uploading_;
-  std::shared_ptr<SceneStream> stream_;
-  std::shared_ptr<SlotPool> slots_;  // null until there is a detector
-  unsigned uses_ = 0;
-  Clock::time_point last_use_ = now();
+  const SceneContext context_;
+  const SceneQuota quota_;
+  SceneRecord record_;
+  SceneLease lease_;
+  SceneUploads uploads_;
+  SceneEngine engine_;
   SceneWorker worker_;  // last, so that its thread ends before the other members are destroyed
 };
 
@@ -208,9 +81,9 @@ class Scene {
 class SceneUse {
  public:
   SceneUse() = default;
-  explicit SceneUse(std::shared_ptr<Scene> scene) : scene_(std::move(scene)) { scene_->begin_use(); }
+  explicit SceneUse(std::shared_ptr<Scene> scene) : scene_(std::move(scene)) { scene_->lease_.begin_use(); }
   SceneUse(const SceneUse& other) : scene_(other.scene_) {
-    if (scene_) scene_->begin_use();
+    if (scene_) scene_->lease_.begin_use();
   }
   SceneUse(SceneUse&&) noexcept = default;
   SceneUse& operator=(SceneUse other) noexcept {
@@ -218,7 +91,7 @@ class SceneUse {
     return *this;
   }
   ~SceneUse() {
-    if (scene_) scene_->end_use();
+    if (scene_) scene_->lease_.end_use();
   }
 
   explicit operator bool() const { return scene_ != nullptr; }

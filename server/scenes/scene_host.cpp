@@ -73,7 +73,7 @@ void SceneHost::announce_stop(double seconds) {
   grace_seconds_ = seconds;
   stopping_ = true;
   for (const auto& scene : scenes_.all())
-    if (const auto stream = scene->stream()) stream->announce_stop(seconds);
+    if (const auto stream = scene->record().stream()) stream->announce_stop(seconds);
 }
 
 void SceneHost::tell_of_stop(SceneStream& stream) const {
@@ -85,8 +85,8 @@ void SceneHost::end_streams() {
   ended_ = true;
   const auto why = std::make_exception_ptr(Stopping());
   for (const auto& scene : scenes_.all()) {
-    if (const auto stream = scene->stream()) stream->end(why);
-    for (const auto& watcher : scene->watchers().all()) watcher->end(why);
+    if (const auto stream = scene->record().stream()) stream->end(why);
+    for (const auto& watcher : scene->record().watchers().all()) watcher->end(why);
   }
 }
 
@@ -97,8 +97,8 @@ HostTotals SceneHost::totals() const {
   totals.devices = devices_.state();
   for (const auto& scene : scenes_.all()) {
     ++totals.scenes;
-    totals.watchers += scene->watchers().size();
-    if (const auto stream = scene->stream()) totals.waiting_frames += stream->waiting();
+    totals.watchers += scene->record().watchers().size();
+    if (const auto stream = scene->record().stream()) totals.waiting_frames += stream->waiting();
   }
   for (const DeviceState& device : totals.devices) totals.waiting_frames += device.waiting_frames;
   return totals;
@@ -130,7 +130,7 @@ void SceneHost::end_stale_uploads() {
 void SceneHost::end_idle_streams() const {
   const double limit = limits().max_idle_seconds;
   for (const auto& scene : scenes_.all()) {
-    const auto stream = scene->stream();
+    const auto stream = scene->record().stream();
     if (!stream || stream->idle_seconds() <= limit) continue;
     const auto what =
         fmt::format("max_idle_seconds is {}, and for longer no frame arrived, or no answer was taken", limit);
@@ -141,7 +141,7 @@ void SceneHost::end_idle_streams() const {
 void SceneHost::end_unread_watches() const {
   const double limit = limits().max_idle_seconds;
   for (const auto& scene : scenes_.all())
-    for (const auto& watcher : scene->watchers().all())
+    for (const auto& watcher : scene->record().watchers().all())
       if (watcher->unread_seconds() > limit)
         watcher->end(std::make_exception_ptr(LimitExceeded::quota(
             "scene:" + scene->id(),

@@ -12,6 +12,7 @@
 #include "server/limits/client_usage.hpp"
 #include "server/ops/freed_memory.hpp"
 #include "server/scenes/scene_store.hpp"
+#include "server/scenes/upload.hpp"
 
 namespace collided::server {
 
@@ -39,7 +40,7 @@ class SceneHost {
   /// Counts a stream of frames while the result lives: one that takes over with this token in the place of the one that
   /// it ends. Throws LimitExceeded.
   std::shared_ptr<void> begin_stream(const Client& client, const Scene& scene, const std::string& resume_token) {
-    return usage_.begin_stream(client, scene.would_take_over(resume_token));
+    return usage_.begin_stream(client, scene.record().would_take_over(resume_token));
   }
   const ServedDevices& devices() const { return devices_; }
   Turns& host_turns() { return devices_.host_turns(); }

@@ -17,22 +17,17 @@ std::string scene_id(const std::string& daemon) { return daemon.empty() ? random
 }  // namespace
 
 SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
-  SceneFacts facts{scene_id(surroundings_.name),
-                   random_id(),
-                   request.request_id,
-                   request.fingerprint,
-                   owner,
-                   request.lease_seconds,
-                   0};
+  SceneIdentity identity{
+      scene_id(context_.name), random_id(), request.request_id, request.fingerprint, owner, request.lease_seconds, 0};
   {
     const std::lock_guard lock(mutex_);
     if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
     check_room_locked(owner);
-    facts.queue_capacity = queue_capacity_;
+    identity.queue_capacity = queue_capacity_;
   }
   place(request.plan);
   // Expensive, hence not under the lock; the checks are repeated afterwards.
-  auto scene = std::make_shared<Scene>(std::move(facts), std::move(request.plan), surroundings_);
+  auto scene = std::make_shared<Scene>(std::move(identity), std::move(request.plan), context_);
   const std::lock_guard lock(mutex_);
   if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
   check_room_locked(owner);
@@ -44,7 +39,7 @@ SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
 }
 
 void SceneStore::place(ScenePlan& plan) const {
-  Placement placed = surroundings_.devices.place(wish_of(plan));
+  Placement placed = context_.devices.place(wish_of(plan));
   plan.engine.device = placed.device;
   if (placed.threads > 0) plan.engine.threads = placed.threads;
   plan.quota = std::move(placed.quota);
@@ -55,7 +50,7 @@ SceneUse SceneStore::repeated_locked(const Client& owner, const SceneRequest& re
   if (request.request_id.empty()) return {};
   const auto found = requests_.find({owner->name, request.request_id});
   if (found == requests_.end()) return {};
-  if (found->second->facts().fingerprint != request.fingerprint)
+  if (found->second->identity().fingerprint != request.fingerprint)
     throw AlreadyExists("request_id",
                         fmt::format("request_id is \"{}\", which created scene {} from a different request",
                                     shorten(request.request_id, 64), found->second->id()));
@@ -67,7 +62,7 @@ void SceneStore::check_room_locked(const Client& owner) const {
     throw LimitExceeded::quota(
         "daemon", fmt::format("max_scenes is {}, and {} scenes exist on this daemon", max_scenes_, scenes_.size()));
   const auto own = static_cast<size_t>(std::count_if(scenes_.begin(), scenes_.end(), [&](const auto& entry) {
-    return entry.second->facts().owner->name == owner->name;
+    return entry.second->identity().owner->name == owner->name;
   }));
   if (own >= owner->limits.max_scenes)
     throw LimitExceeded::quota("client:" + owner->name,
@@ -77,7 +72,7 @@ void SceneStore::check_room_locked(const Client& owner) const {
 
 SceneStore::Scenes::const_iterator SceneStore::find_locked(const Client& owner, const std::string& id) const {
   const auto found = scenes_.find(id);
-  if (found == scenes_.end() || found->second->facts().owner->name != owner->name) throw_not_found_locked(owner, id);
+  if (found == scenes_.end() || found->second->identity().owner->name != owner->name) throw_not_found_locked(owner, id);
   return found;
 }
 
@@ -99,9 +94,9 @@ void SceneStore::note_removed_locked(const std::shared_ptr<Scene>& scene) {
 
 std::shared_ptr<Scene> SceneStore::take_out_locked(Scenes::const_iterator found, const SceneEnd& end) {
   auto scene = found->second;
-  ended_.add(scene->facts().owner->name, scene->id(), end);
+  ended_.add(scene->identity().owner->name, scene->id(), end);
   scenes_.erase(found);
-  requests_.erase({scene->facts().owner->name, scene->facts().request_id});
+  requests_.erase({scene->identity().owner->name, scene->identity().request_id});
   note_removed_locked(scene);
   return scene;
 }
@@ -113,7 +108,7 @@ std::shared_ptr<Scene> SceneStore::remove(const Client& owner, const std::string
     const std::lock_guard lock(mutex_);
     scene = take_out_locked(find_locked(owner, id), end);
   }
-  scene->close(end);
+  scene->record().close(end);
   return scene;
 }
 
@@ -122,7 +117,7 @@ std::vector<std::shared_ptr<Scene>> SceneStore::page(const Client& owner, const 
   const std::lock_guard lock(mutex_);
   std::vector<std::shared_ptr<Scene>> page;
   for (auto it = scenes_.upper_bound(after); it != scenes_.end() && page.size() < count; ++it)
-    if (it->second->facts().owner->name == owner->name) page.push_back(it->second);
+    if (it->second->identity().owner->name == owner->name) page.push_back(it->second);
   return page;
 }
 
@@ -134,7 +129,7 @@ std::vector<std::shared_ptr<Scene>> SceneStore::all() const {
 }
 
 std::vector<std::shared_ptr<Scene>> SceneStore::remove_expired(std::chrono::steady_clock::time_point now) {
-  const auto end_of = [&](const Scene& scene) { return SceneEnd{true, scene.facts().lease_seconds, now}; };
+  const auto end_of = [&](const Scene& scene) { return SceneEnd{true, scene.identity().lease_seconds, now}; };
   std::vector<std::shared_ptr<Scene>> expired;
   {
     const std::lock_guard lock(mutex_);
@@ -143,7 +138,7 @@ std::vector<std::shared_ptr<Scene>> SceneStore::remove_expired(std::chrono::stea
         expired.push_back(take_out_locked(here, end_of(*here->second)));
   }
   for (const auto& scene : expired) {
-    scene->close(end_of(*scene));
+    scene->record().close(end_of(*scene));
     scene->worker().post([scene] { scene->release(); });
   }
   return expired;
@@ -169,7 +164,7 @@ void SceneStore::clear() {
     removed.swap(removed_);
     requests_.clear();
   }
-  for (auto& [id, scene] : scenes) scene->close({.when = std::chrono::steady_clock::now()});
+  for (auto& [id, scene] : scenes) scene->record().close({.when = std::chrono::steady_clock::now()});
   for (auto& [id, scene] : scenes) scene->worker().flush();
   for (const auto& weak : removed)
     if (const auto scene = weak.lock()) scene->worker().flush();

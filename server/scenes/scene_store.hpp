@@ -25,8 +25,8 @@ struct SceneRequest {
 
 class SceneStore {
  public:
-  SceneStore(size_t max_scenes, size_t queue_capacity, SceneSurroundings surroundings)
-      : surroundings_(std::move(surroundings)), max_scenes_(max_scenes), queue_capacity_(queue_capacity) {}
+  SceneStore(size_t max_scenes, size_t queue_capacity, SceneContext context)
+      : context_(std::move(context)), max_scenes_(max_scenes), queue_capacity_(queue_capacity) {}
 
   struct Added {
     SceneUse scene;
@@ -62,7 +62,7 @@ class SceneStore {
   void note_removed_locked(const std::shared_ptr<Scene>& scene);
   std::shared_ptr<Scene> take_out_locked(Scenes::const_iterator found, const SceneEnd& end);
 
-  const SceneSurroundings surroundings_;
+  const SceneContext context_;
   mutable std::mutex mutex_;  // guards what follows
   size_t max_scenes_;
   size_t queue_capacity_;

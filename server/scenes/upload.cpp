@@ -10,12 +10,6 @@
 
 namespace collided::server {
 
-void ReceivedTriangles::move_to(std::vector<TriangleCorners>& mesh, MemoryHold& held) {
-  mesh.reserve(mesh.size() + triangles_.size());
-  for (; !triangles_.empty(); triangles_.pop_front()) mesh.push_back(triangles_.front());
-  held.absorb(held_);
-}
-
 Upload::Upload(std::function<void(const std::exception_ptr&)> fail, Clock::time_point now)
     : fail_(std::move(fail)), last_chunk_(now) {}
 
@@ -57,7 +51,7 @@ void Upload::end_if_stale(Clock::time_point now, std::chrono::duration<double> l
 
 std::exception_ptr Upload::stale_reason(Clock::time_point now, std::chrono::duration<double> limit) const {
   try {
-    if (scene_) (*scene_)->check_open();
+    if (scene_) (*scene_)->record().check_open();
     if (now - last_chunk_ > limit)
       throw TimedOut("triangles", fmt::format("triangles: no chunk of the upload arrived for {} s; the scene is "
                                               "unchanged",
@@ -71,7 +65,7 @@ std::exception_ptr Upload::stale_reason(Clock::time_point now, std::chrono::dura
 // Frees the mesh and the memory before the client is told, so that it can retry at once.
 void Upload::release() {
   triangles_.reset();
-  if (scene_) (*scene_)->end_upload(mesh_);
+  if (scene_) (*scene_)->uploads().end(mesh_);
   scene_.reset();
   ticket_.reset();
 }
@@ -82,7 +76,7 @@ void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> t
   // What may fail comes first: a mesh that is reserved is released with scene_.
   auto triangles = std::make_unique<ReceivedTriangles>(scene->quota());
   auto use = std::make_unique<SceneUse>(scene);
-  scene->begin_upload(mesh);
+  scene->uploads().begin(mesh);
   mesh_ = mesh;
   triangles_ = std::move(triangles);
   scene_ = std::move(use);
@@ -91,10 +85,10 @@ void Upload::begin(const SceneUse& scene, uint32_t mesh, std::shared_ptr<void> t
 
 Scene* Upload::scene() const { return scene_ ? &**scene_ : nullptr; }
 
-std::string Upload::mesh_name() const { return (*scene_)->mesh_name(mesh_); }
+std::string Upload::mesh_name() const { return (*scene_)->record().mesh_name(mesh_); }
 
 void Upload::reserve(uint64_t count) {
-  const uint64_t awaited = (*scene_)->awaited(mesh_), come = triangles_->size() + count;
+  const uint64_t awaited = (*scene_)->uploads().awaited(mesh_), come = triangles_->size() + count;
   if (come > awaited)
     throw InvalidInput("triangles", fmt::format("triangles has {} or more, but the mesh awaits {}", come, awaited));
   triangles_->reserve(count);

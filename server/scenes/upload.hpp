@@ -1,11 +1,8 @@
 #pragma once
-// An upload of one mesh's triangles. Triangles count against the scene's memory as they arrive, not when they are
-// declared. No gRPC here.
+// An upload of one mesh's triangles. No gRPC here.
 
-#include <array>
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -13,31 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "gpu/detector.hpp"
+#include "server/scenes/scene/uploads.hpp"
 
 namespace collided::server {
 
 class Scene;
 class SceneUse;
-
-using TriangleCorners = std::array<uint32_t, 3>;
-
-/// Triangles received so far.
-class ReceivedTriangles {
- public:
-  explicit ReceivedTriangles(std::shared_ptr<MemoryQuota> quota) : held_(std::move(quota)) {}
-
-  /// Accounts for `count` more, before push(). Throws LimitExceeded.
-  void reserve(uint64_t count) { held_.resize(held_.bytes() + count * sizeof(TriangleCorners)); }
-  void push(const TriangleCorners& triangle) { triangles_.push_back(triangle); }
-  uint64_t size() const { return triangles_.size(); }
-  /// Appends them to `mesh` and their bytes to `held`.
-  void move_to(std::vector<TriangleCorners>& mesh, MemoryHold& held);
-
- private:
-  std::deque<TriangleCorners> triangles_;  // a vector would hold up to three times as much while it grows
-  MemoryHold held_;
-};
 
 /// One call that uploads a mesh. The call's thread and those that end calls whose clients are silent race here: only
 /// one of them ends it.

@@ -17,8 +17,8 @@ using Element = std::array<uint32_t, 3>;
 constexpr uint32_t kPageElements = (1u << 20) / sizeof(Element);
 
 void check_ready(const Scene& scene) {
-  scene.check_open();
-  if (!scene.snapshot().ready)
+  scene.record().check_open();
+  if (!scene.record().is_ready())
     throw FailedPrecondition(
         "scene_id", fmt::format("scene_id: scene {} is not READY: triangles are still to be sent", scene.id()));
 }
@@ -42,7 +42,7 @@ std::string pack(const Topology& topology, uint32_t first, uint32_t end, uint32_
 }
 
 void fill(const Scene& scene, const pb::GetMeshRequest& request, pb::GetMeshResponse& response) {
-  const Topology& topology = scene.topology();
+  const Topology& topology = scene.engine().topology();
   check_page(request, topology);
   const uint32_t mesh = request.mesh(), begin = topology.triangle_offset[mesh],
                  end = topology.triangle_offset[mesh + 1], first = begin + request.first_element(),
@@ -50,7 +50,7 @@ void fill(const Scene& scene, const pb::GetMeshRequest& request, pb::GetMeshResp
   response.set_elements(pack(topology, first, first + std::min(kPageElements, end - first), vertex));
   response.set_element_count(end - begin);
   response.set_vertex_count(topology.vertex_offset[mesh + 1] - vertex);
-  response.set_edit_count(scene.edits());
+  response.set_edit_count(scene.record().edits());
 }
 
 }  // namespace

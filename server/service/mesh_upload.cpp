@@ -110,7 +110,7 @@ void MeshUpload::delete_if_unusable() {
   const Scene& scene = *upload_->scene();
   if (!scene.unusable()) return;
   try {
-    const auto removed = host_.scenes().remove(scene.facts().owner, scene.id());
+    const auto removed = host_.scenes().remove(scene.identity().owner, scene.id());
     removed->release();
     log_event(spdlog::level::info, "scene deleted: its meshes form no valid scene",
               {{"scene", scene.id()}, {"request", caller_.ids.request_id}, {"trace", caller_.ids.trace_id}});

@@ -112,8 +112,8 @@ void CollisionService::make_scene(UnaryCallBase& call, SceneRequest request, pb:
         [this, &call, out, scene = std::move(scene), held = calls_] { build(scene, call, out); });
   target.worker().post([&call, out, scene = std::move(scene), held = calls_] {  // once the first request has created it
     guard(call, [&] {
-      scene->check_built();
-      scene->check_open();
+      scene->engine().check_built();
+      scene->record().check_open();
       fill_scene(*scene, out);
       call.finish();
     });
@@ -124,7 +124,7 @@ void CollisionService::build(const SceneUse& scene, UnaryCallBase& call, pb::Sce
   const Caller& caller = call.caller();
   guard(call, [&] {
     try {
-      scene->build_if_complete();
+      scene->engine().build_if_complete();
     } catch (const NotFound&) {
       throw;
     } catch (...) {

@@ -92,9 +92,9 @@ void WatchCall::join(const SceneUse& scene) {
     watcher_ = std::move(watcher);
     is_open_ = true;
   }
-  scene->begin_watch(watcher_);
+  scene->record().begin_watch(watcher_);
   const std::lock_guard lock(mutex_);
-  if (status_) scene->end_watch(*watcher_);  // the client was gone before the scene knew of it
+  if (status_) scene->record().end_watch(*watcher_);  // the client was gone before the scene knew of it
 }
 
 void WatchCall::reserve(uint64_t message_bytes) {

@@ -7,7 +7,7 @@
 
 #include "collided/v1/collision_service.pb.h"
 #include "server/ops/clock.hpp"
-#include "server/scenes/scene_plan.hpp"
+#include "server/scenes/scene/plan.hpp"
 
 namespace collided::server {
 

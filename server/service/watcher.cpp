@@ -36,7 +36,7 @@ void Watcher::show_latest() try {
   const auto sink = sink_.lock();
   if (!update || !sink) return;
   follow_edits(*sink);
-  for (const VertexSample& sample : samples_.of_mesh) update->positions.push_back(scene_->positions(sample));
+  for (const VertexSample& sample : samples_.of_mesh) update->positions.push_back(scene_->engine().positions(sample));
   update->vertex_stride = samples_.stride;
   if (update->skipped > 0) scene_->observer().not_shown(*scene_, update->skipped);
   sink->show(std::move(*update));
@@ -72,7 +72,7 @@ bool Watcher::leave() {
     latest_.reset();
     unread_since_.reset();
   }
-  scene_->end_watch(*this);
+  scene_->record().end_watch(*this);
   return true;
 }
 

@@ -11,7 +11,7 @@
 
 #include "server/frames/watched.hpp"
 #include "server/scenes/scene.hpp"
-#include "server/scenes/watching.hpp"
+#include "server/scenes/scene/watching.hpp"
 #include "server/service/watch_options.hpp"
 
 namespace collided::server {

@@ -203,7 +203,7 @@ TEST(LocalLines, OfASkippedFrameCarryTheRequest) {
       whole.set_frame_id(id);
       raw.send(whole);
     }
-    EXPECT_TRUE(eventually([&] { return serving.scene(scene)->stream()->waiting() == 3; }));
+    EXPECT_TRUE(eventually([&] { return serving.scene(scene)->record().stream()->waiting() == 3; }));
     free.set_value();
     raw.half_close();
     EXPECT_EQ(raw.closed().code(), 0);

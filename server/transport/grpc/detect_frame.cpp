@@ -20,7 +20,7 @@ using Call = UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>;
 constexpr size_t kMaxContactBytes = pb::kMaxAnswerBytes - (size_t{64} << 10);  // leaves room for framing and metrics
 
 void check_no_stream(const Scene& scene) {
-  if (scene.stream())
+  if (scene.record().stream())
     throw FailedPrecondition(
         "scene_id", fmt::format("scene_id: scene {} has an open stream, which alone may send its frames", scene.id()));
 }
@@ -35,7 +35,7 @@ void check_size(const AnsweredFrame& frame) {
 void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameResponse& response) {
   encode_contacts(scene, frame, kMaxChunkBytes, [&](std::span<const Chunk> chunks) {
     check_size(frame);
-    for (const Chunk& chunk : chunks) fill_chunk(chunk, scene.topology(), response.add_contacts());
+    for (const Chunk& chunk : chunks) fill_chunk(chunk, scene.engine().topology(), response.add_contacts());
   });
   *response.mutable_done() = done_message(frame);
 }
@@ -63,7 +63,7 @@ void answer(Call& call, Scene& scene, PendingFrame& frame) {
 
 void detect_frame(Call& call, SceneHost& host, const std::shared_ptr<void>& held) {
   const SceneUse scene = host.scenes().find(call.caller().client, call.request().scene_id());
-  scene->check_is_one("scene_id");
+  scene->record().check_is_one("scene_id");
   IncomingFrame incoming;
   incoming.message = std::move(*call.request().mutable_frame());
   auto frame = std::make_shared<PendingFrame>(admit_frame(host, *scene, std::move(incoming)));

@@ -153,7 +153,7 @@ std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_
   encode_contacts(scene, *frame, max_chunk_bytes, [&](std::span<const Chunk> chunks) {
     std::vector<size_t> sizes;
     for (const Chunk& chunk : chunks) {
-      pieces.push_back(make_piece(chunk, scene.topology()));
+      pieces.push_back(make_piece(chunk, scene.engine().topology()));
       sizes.push_back(chunk.array_bytes());
     }
     alone = pieces.size() - fit_at_end(sizes, max_chunk_bytes);

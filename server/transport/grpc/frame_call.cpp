@@ -137,8 +137,8 @@ DecodedRequest FrameCall::decode(const grpc::ByteBuffer& bytes, IncomingFrame& i
   grpc::ProtoBufferReader reader(&copy);
   return decode_request(reader, bytes.Length(), expected(), [&]() -> std::span<std::byte> {
     try {
-      incoming.slot = session_->scene().take_slot();
-      const uint64_t max = session_->scene().max_position_bytes();
+      incoming.slot = session_->scene().engine().take_slot();
+      const uint64_t max = max_position_bytes(session_->scene().plan()->engine);
       return incoming.slot->room(std::min<uint64_t>(bytes.Length(), max) + kAlignmentBytes);
     } catch (...) {
       incoming.refusal = std::current_exception();
@@ -158,7 +158,7 @@ void FrameCall::open(const pb::OpenStream& open) {
     session_ = session;
     if (status_) session->close();  // ended in the meantime
   }
-  session->scene().charge_to(caller_.client->turn_path());
+  session->scene().engine().charge_to(caller_.client->turn_path());
   host_.tell_of_stop(*session);
   log_stream_opened(kKind, session->scene(), terms.window, caller_.ids);
 }

@@ -26,7 +26,8 @@ uint64_t aligned(uint64_t bytes) { return (bytes + kAlignment - 1) / kAlignment 
 // Each array may begin at the next multiple of the alignment.
 uint64_t most_bytes(const Scene& scene) {
   constexpr uint64_t kArrays = 3;  // of an update
-  return scene.max_position_bytes() + kArrays * kAlignment * scene.plan()->meshes.size();
+  const auto plan = scene.plan();
+  return max_position_bytes(plan->engine) + kArrays * kAlignment * plan->meshes.size();
 }
 
 uint64_t bytes_of(const std::vector<PlacedPositions>& arrays) {
@@ -83,7 +84,7 @@ void InProcessStream::await_edit() {
 // A slot has one room, so that it is as large as it can ever be once the caller writes there itself.
 void InProcessStream::take_slot(uint64_t bytes) {
   if (slot_) return;
-  slot_ = session_->scene().take_slot();
+  slot_ = session_->scene().engine().take_slot();
   used_ = 0;
   room_ = slot_->room(bytes);
 }
@@ -208,7 +209,7 @@ void InProcessStream::answered(const Scene& scene, const std::shared_ptr<Answere
   pb::FrameDone& done = *answer.message.mutable_done();
   std::vector<pb::ContactChunk> named;
   encode_contacts(scene, *frame, kNoCut, [&](std::span<const Chunk> chunks) {
-    for (const Chunk& chunk : chunks) share(chunk, scene.topology(), *memory, &named.emplace_back());
+    for (const Chunk& chunk : chunks) share(chunk, scene.engine().topology(), *memory, &named.emplace_back());
   });
   done = done_message(*frame);
   for (pb::ContactChunk& chunk : named) *done.add_contacts() = std::move(chunk);

@@ -197,7 +197,7 @@ void Connection::open(const pb::LocalOpen& open, std::vector<PassedFile> files) 
     session_ = session;
     if (!outbox_.empty()) session->hold(true);
   }
-  opening_.scene->charge_to(opening_.client->turn_path());
+  opening_.scene->engine().charge_to(opening_.client->turn_path());
   rules_.host.tell_of_stop(*session);
   log_stream_opened(kKind, *opening_.scene, opening_.terms.window, ids_);
 }

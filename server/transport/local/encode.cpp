@@ -124,7 +124,7 @@ std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& 
       },
       frame.result.placed);
   encode_contacts(scene, frame, kNoCut, [&](std::span<const Chunk> chunks) {
-    for (const Chunk& chunk : chunks) put_chunk(chunk, scene.topology(), part, pieces);
+    for (const Chunk& chunk : chunks) put_chunk(chunk, scene.engine().topology(), part, pieces);
     std::vector<size_t> sizes;
     for (const auto& piece : pieces) sizes.push_back(piece.ByteSizeLong());
     alone = pieces.size() - fit_at_end(sizes, kInlineBytes);

@@ -30,19 +30,20 @@ void check_handle(const char* field, const std::string& handle, bool is_allowed)
 
 void check_scene(const char* field, const std::string& handle, const Scene& scene) {
   if (handle.empty()) return;
-  if (scene.plan()->engine.worlds > 0)
+  const auto plan = scene.plan();
+  if (plan->engine.worlds > 0)
     throw FailedPrecondition(
         field, fmt::format("{} is set, but scene {} is a set, whose positions and contacts are in the host's memory",
                            field, scene.id()));
-  if (scene.is_in_parts())
+  if (is_in_parts(plan->engine))
     throw FailedPrecondition(
         field,
         fmt::format("{} is set, but scene {} is in parts on several devices (spec.part_devices), whose positions "
                     "and contacts are in the host's memory",
                     field, scene.id()));
-  if (scene.device().backend != Backend::kCuda)
+  if (plan->engine.device.backend != Backend::kCuda)
     throw FailedPrecondition(field, fmt::format("{} is set, but scene {} is not on a GPU: it lives on {}", field,
-                                                scene.id(), to_string(scene.device())));
+                                                scene.id(), to_string(plan->engine.device)));
 }
 
 // Of what the client has on the device instead of in the file.
@@ -107,10 +108,10 @@ std::shared_ptr<SharedRegion> map_region(const pb::LocalOpen& open, const std::v
   const std::string &input = open.cuda_ipc_handle(), &output = open.output_cuda_ipc_handle();
   if (files.empty() && input.empty() && output.empty()) return nullptr;
   const RegionSize in_file{open.input_bytes(), output_in_file(open)};
-  auto region = input.empty()
-                    ? SharedRegion::map(file, in_file, scene.device())
-                    : SharedRegion::open(std::as_bytes(std::span(input)), scene.device(), file, in_file.output);
-  if (!output.empty()) region->open_output(std::as_bytes(std::span(output)), scene.device(), open.output_bytes());
+  const Device device = scene.plan()->engine.device;
+  auto region = input.empty() ? SharedRegion::map(file, in_file, device)
+                              : SharedRegion::open(std::as_bytes(std::span(input)), device, file, in_file.output);
+  if (!output.empty()) region->open_output(std::as_bytes(std::span(output)), device, open.output_bytes());
   return region;
 }
 

@@ -31,9 +31,9 @@ void expect_refused(const std::string& field, const std::function<void(pb::Creat
 inline pb::Scene shown(const pb::CreateSceneRequest& wanted) {
   ServedDevices devices(std::vector<DeviceTerms>(1));
   CountingObserver observer;
-  const SceneFacts facts{"id", "token", "", 0, std::make_shared<ClientIdentity>(), 7.5, 1};
+  const SceneIdentity identity{"id", "token", "", 0, std::make_shared<ClientIdentity>(), 7.5, 1};
   pb::Scene message;
-  fill_scene(Scene(facts, parse_scene(wanted, {}).plan, {devices, observer}), &message);
+  fill_scene(Scene(identity, parse_scene(wanted, {}).plan, {devices, observer}), &message);
   return message;
 }
 

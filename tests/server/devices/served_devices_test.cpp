@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "server/devices/parted_bytes.hpp"
 #include "server/errors.hpp"
-#include "server/limits/parted_bytes.hpp"
 #include "tests/server/hand_clock.hpp"
 
 namespace collided::server {

@@ -36,7 +36,7 @@ class FrameIntake : public testing::Test {
   }
   SceneUse make_scene(const Client& owner = client()) {
     auto added = host_.add_scene(owner, {tip_plan(), "", 0, 30});
-    added.scene->worker().post([scene = added.scene] { scene->build_if_complete(); });
+    added.scene->worker().post([scene = added.scene] { scene->engine().build_if_complete(); });
     added.scene->worker().flush();
     return added.scene;
   }

@@ -13,13 +13,13 @@ using FrameSessionEnd = FrameSessionTest;
 TEST_F(FrameSessionEnd, CloseDropsWhatWaitsAndFreesTheScene) {
   const auto stream = open_held(Delivery::kLossless);
   auto frame = tip_frame(1, 2);
-  frame.input.slot = scene_->take_slot();
+  frame.input.slot = scene_->engine().take_slot();
   const std::weak_ptr<FrameSlot> slot = frame.input.slot;
   stream->submit(std::move(frame));
   stream->close();
   EXPECT_TRUE(slot.expired());
   EXPECT_TRUE(stream->is_closed());
-  EXPECT_EQ(scene_->stream(), nullptr);
+  EXPECT_EQ(scene_->record().stream(), nullptr);
   stream->submit(tip_frame(2, 2));
   stream->hold(false);
   stream->announce_stop(1);
@@ -63,7 +63,7 @@ TEST_F(FrameSessionEnd, TheTokenTakesTheSceneOver) {
   const auto second = open(Delivery::kLossless, token());
   EXPECT_TRUE(first->is_closed());
   EXPECT_EQ(first.sink->events().back(), "ended: TakenOver");
-  EXPECT_EQ(scene_->stream(), second.session);
+  EXPECT_EQ(scene_->record().stream(), second.session);
   first->submit(tip_frame(2, 2));
   first->close();  // does not end the other's stream
   second->submit(tip_frame(3, 2));

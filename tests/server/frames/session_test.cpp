@@ -107,7 +107,7 @@ TEST_F(FrameSessionTest, LatestWinsNeitherSkipsRefusalsNorForThem) {
 TEST_F(FrameSessionTest, ASkippedFrameLetsGoOfItsMemoryAtOnce) {
   const auto stream = open_held(Delivery::kLatestWins);
   auto first = tip_frame(1, 2);
-  first.input.slot = scene_->take_slot();
+  first.input.slot = scene_->engine().take_slot();
   const std::weak_ptr<const void> memory = first.memory;
   const std::weak_ptr<FrameSlot> slot = first.input.slot;
   stream->submit(std::move(first));

@@ -28,7 +28,7 @@ class FrameSessionTest : public testing::Test {
     stream->hold(true);
     return stream;
   }
-  const std::string& token() const { return scene_->facts().resume_token; }
+  const std::string& token() const { return scene_->identity().resume_token; }
 
   static PendingFrame refused(uint64_t id, std::exception_ptr why) {
     PendingFrame frame = tip_frame(id, 2);

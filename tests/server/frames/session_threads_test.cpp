@@ -18,7 +18,7 @@ struct Stream {
 
 Stream take_over(const SceneUse& scene, Delivery delivery) {
   Stream stream;
-  stream.session = FrameSession::open(scene, scene->facts().resume_token, delivery, stream.sink);
+  stream.session = FrameSession::open(scene, scene->identity().resume_token, delivery, stream.sink);
   return stream;
 }
 
@@ -47,7 +47,7 @@ void stream_on(const SceneUse& scene, std::vector<Stream>& streams, std::atomic<
 // What the daemon's other threads do to a scene's stream.
 void look_on(const SceneUse& scene, const std::atomic<bool>& stop) {
   for (bool is_held = false; !stop; is_held = !is_held) {
-    const auto stream = std::dynamic_pointer_cast<FrameSession>(scene->stream());
+    const auto stream = std::dynamic_pointer_cast<FrameSession>(scene->record().stream());
     if (!stream) continue;
     stream->hold(is_held);
     stream->announce_stop(1);
@@ -119,7 +119,7 @@ TEST(FrameSessionThreads, OneOfManyOpensAStreamAtATime) {
   for (auto& thread : threads) thread.join();
   EXPECT_GT(opened, 0);
   EXPECT_EQ(most, 0);
-  EXPECT_EQ(scene->stream(), nullptr);
+  EXPECT_EQ(scene->record().stream(), nullptr);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ SceneUse make_scene(SceneHost& host, const Client& owner = client(), double leas
   std::exception_ptr failure;
   added.scene->worker().post([&] {
     try {
-      added.scene->build_if_complete();
+      added.scene->engine().build_if_complete();
     } catch (...) {
       failure = std::current_exception();
     }
@@ -149,7 +149,7 @@ TEST(SceneHost, AStreamThatIsIdleForTooLongEnds) {
   const RecordingSink::Events ended{"opened after 0", "ended: LimitExceeded"};
   EXPECT_EQ(says_nothing.sink->wait_for(2), ended);
   EXPECT_EQ(takes_nothing.sink->wait_for(2), ended);
-  EXPECT_EQ(idle->stream(), nullptr);
+  EXPECT_EQ(idle->record().stream(), nullptr);
   EXPECT_FALSE(takes_a_little.session->is_closed());
   takes_a_little.session->hold(false);
   EXPECT_EQ(takes_a_little.sink->wait_for(2).back(), "answered 1");

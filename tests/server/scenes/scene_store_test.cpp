@@ -8,8 +8,8 @@
 #include <set>
 #include <thread>
 
+#include "server/devices/device_bytes.hpp"
 #include "server/errors.hpp"
-#include "server/limits/device_bytes.hpp"
 #include "tests/server/frames/session_test.hpp"
 
 namespace collided::server {
@@ -176,7 +176,7 @@ TEST_F(SceneStoreTest, ADeletedScenesMemoryIsFreeAtOnceThoughItIsStillInUse) {
   session->hold(true);
   for (uint64_t id = 2; id < 6; ++id) {  // that wait in slots
     auto frame = tip_frame(id, 2);
-    frame.input.slot = use->take_slot();
+    frame.input.slot = use->engine().take_slot();
     frame.input.slot->room(1000);
     session->submit(std::move(frame));
   }
@@ -201,7 +201,7 @@ TEST_F(SceneStoreTest, ALeaseRunsWhileNobodyUsesTheScene) {
   const auto expired = store_.remove_expired(later(10));
   ASSERT_EQ(ids(expired), std::vector{id});
   EXPECT_THROW(store_.find(ann_, id), NotFound);
-  EXPECT_THROW(expired[0]->check_open(), NotFound);
+  EXPECT_THROW(expired[0]->record().check_open(), NotFound);
   expired[0]->worker().flush();
   EXPECT_EQ(held_->held(), 0u);
   EXPECT_TRUE(store_.add(ann_, request("mine", 2)).is_new);
@@ -224,7 +224,7 @@ TEST_F(SceneStoreTest, ClearFreesAllScenes) {
   bench_.add(ben_, request());
   store_.clear();
   EXPECT_TRUE(store_.all().empty());
-  EXPECT_THROW(use->check_open(), NotFound);
+  EXPECT_THROW(use->record().check_open(), NotFound);
   EXPECT_TRUE(store_.add(ann_, request("mine", 2)).is_new);
 }
 
@@ -265,7 +265,7 @@ TEST_F(SceneStoreTest, OfRequestsAtOnceOneMakesTheScene) {
 void build(const SceneUse& scene) {
   scene->worker().post([scene] {
     try {
-      scene->build_if_complete();
+      scene->engine().build_if_complete();
     } catch (const NotFound&) {
     }
   });

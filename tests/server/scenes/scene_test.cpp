@@ -17,12 +17,12 @@ class SceneTest : public testing::Test {
  protected:
   // The test's thread plays the worker.
   std::unique_ptr<Scene> make(ScenePlan plan) {
-    return std::make_unique<Scene>(SceneFacts{"id", "token", "", 0, client(), 30, 1}, std::move(plan),
-                                   SceneSurroundings{devices_, observer_});
+    return std::make_unique<Scene>(SceneIdentity{"id", "token", "", 0, client(), 30, 1}, std::move(plan),
+                                   SceneContext{devices_, observer_});
   }
   std::unique_ptr<Scene> make_ready() {
     auto scene = make(tip_plan());
-    scene->build_if_complete();
+    scene->engine().build_if_complete();
     return scene;
   }
 
@@ -65,7 +65,7 @@ TEST_F(SceneTest, IsBuiltInTurnsOfItsClient) {
   Turns& turns = devices_.host_turns();
   AllTurns held(turns);
   const auto scene = make(tip_plan());
-  std::thread builder([&] { scene->build_if_complete(); });
+  std::thread builder([&] { scene->engine().build_if_complete(); });
   EXPECT_TRUE(wait_until([&] { return turns.waiting() == 1; }));
   EXPECT_FALSE(scene->snapshot().ready);
   held.release();
@@ -77,9 +77,9 @@ TEST_F(SceneTest, IsNotBuiltOnceItIsDeleted) {
   Turns& turns = devices_.host_turns();
   const AllTurns held(turns);
   const auto scene = make(tip_plan());
-  std::thread builder([&] { EXPECT_THROW(scene->build_if_complete(), NotFound); });
+  std::thread builder([&] { EXPECT_THROW(scene->engine().build_if_complete(), NotFound); });
   EXPECT_TRUE(wait_until([&] { return turns.waiting() == 1; }));
-  scene->close({});
+  scene->record().close({});
   builder.join();
 }
 
@@ -96,20 +96,20 @@ TEST_F(SceneTest, TakesAllTrianglesOfAMeshOrNone) {
   const auto scene = make(tip_plan(1));
   EXPECT_THROW(add(*scene, {}), InvalidInput);
   EXPECT_THROW(add(*scene, {{0, 1, 2}, {0, 1, 2}}), InvalidInput);
-  EXPECT_EQ(scene->awaited(1), 1u);
+  EXPECT_EQ(scene->uploads().awaited(1), 1u);
   EXPECT_FALSE(scene->snapshot().ready);
   add(*scene, {{0, 1, 2}});
-  EXPECT_EQ(scene->awaited(1), 0u);
+  EXPECT_EQ(scene->uploads().awaited(1), 0u);
   EXPECT_TRUE(scene->snapshot().ready);
 }
 
 TEST_F(SceneTest, OneUploadOfAMeshAtATime) {
   const auto scene = make(tip_plan(1));
-  EXPECT_THROW(scene->begin_upload(0), FailedPrecondition);
-  scene->begin_upload(1);
-  EXPECT_THROW(scene->begin_upload(1), FailedPrecondition);
-  scene->end_upload(1);
-  scene->begin_upload(1);
+  EXPECT_THROW(scene->uploads().begin(0), FailedPrecondition);
+  scene->uploads().begin(1);
+  EXPECT_THROW(scene->uploads().begin(1), FailedPrecondition);
+  scene->uploads().end(1);
+  scene->uploads().begin(1);
 }
 
 TEST_F(SceneTest, TrianglesThatMakeNoDetectorLeaveItUnusable) {
@@ -124,9 +124,9 @@ TEST_F(SceneTest, AFrameBeforeTheTrianglesIsToldWhatIsAwaited) {
   const auto scene = make(tip_plan(2));
   const std::string rest =
       "scene id takes no frames yet: mesh 1 (\"tip\") awaits 2 of its 2 triangles; send them with UploadMesh";
-  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->apply(1, tip_frame(1, 2).input); }),
+  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->engine().apply(1, tip_frame(1, 2).input); }),
             "scene_id: scene_id: " + rest);
-  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->take_slot(); }), "scene_id: scene_id: " + rest);
+  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->engine().take_slot(); }), "scene_id: scene_id: " + rest);
 }
 
 TEST_F(SceneTest, TrianglesAndMeshesCountFromTheStart) {
@@ -160,21 +160,21 @@ TEST_F(SceneTest, OnlyWhoHasTheTokenTakesAStreamOver) {
   EXPECT_THROW(scene->begin_stream(second, ""), FailedPrecondition);
   for (const char* const wrong : {"t", "tokem", "Token", "token "})
     EXPECT_THROW(scene->begin_stream(second, wrong), PermissionDenied) << wrong;
-  EXPECT_EQ(scene->stream(), first);
+  EXPECT_EQ(scene->record().stream(), first);
   EXPECT_EQ(scene->begin_stream(second, "token"), first);
-  EXPECT_EQ(scene->stream(), second);
+  EXPECT_EQ(scene->record().stream(), second);
 }
 
 TEST_F(SceneTest, ASetOfOneIsASet) {
   ScenePlan plan = tip_plan();
-  EXPECT_NO_THROW(make(plan)->check_is_one("scene_id"));
+  EXPECT_NO_THROW(make(plan)->record().check_is_one("scene_id"));
   plan.engine.worlds = 1;
-  EXPECT_THROW(make(plan)->check_is_one("scene_id"), FailedPrecondition);
+  EXPECT_THROW(make(plan)->record().check_is_one("scene_id"), FailedPrecondition);
 }
 
 TEST_F(SceneTest, AppliesFramesWhoseIdsRiseStrictly) {
   const auto scene = make_ready();
-  const auto apply = [&](uint64_t id) { return scene->apply(id, tip_frame(id, 2).input); };
+  const auto apply = [&](uint64_t id) { return scene->engine().apply(id, tip_frame(id, 2).input); };
   EXPECT_EQ(refusal<InvalidInput>([&] { apply(0); }), "frame.frame_id: frame.frame_id is 0, but ids start at 1");
   EXPECT_EQ(apply(3).vertex_triangle.size(), 1u);
   for (const uint64_t id : {1, 3}) {
@@ -191,11 +191,11 @@ TEST_F(SceneTest, ARefusedFrameUsesUpNoId) {
   const auto why = refusal<InvalidInput>([&] {
     auto frame = tip_frame(1, 2);
     frame.input.updates[1].end = frame.input.updates[1].end.first(12);
-    scene->apply(1, frame.input);
+    scene->engine().apply(1, frame.input);
   });
   EXPECT_TRUE(why.starts_with("frame.updates[1].positions: frame.updates[1].positions")) << why;
   EXPECT_EQ(scene->snapshot().last_frame_id, 0u);
-  scene->apply(1, tip_frame(1, 2).input);
+  scene->engine().apply(1, tip_frame(1, 2).input);
 }
 
 TEST_F(SceneTest, ShowsWhatItHolds) {
@@ -205,30 +205,30 @@ TEST_F(SceneTest, ShowsWhatItHolds) {
   EXPECT_EQ(shown.vertices, 6u);
   EXPECT_EQ(shown.triangles, 2u);
   EXPECT_EQ(shown.edges, 6u);
-  EXPECT_EQ(scene->max_position_bytes(), 6u * 12 * 2);
+  EXPECT_EQ(max_position_bytes(scene->plan()->engine), 6u * 12 * 2);
   EXPECT_TRUE(scene->plan()->engine.meshes[0].triangles.empty());
 }
 
 TEST_F(SceneTest, HasNoSlotsBeforeItIsReadyNorOnceItIsDeleted) {
   const auto awaiting = make(tip_plan(1));
-  EXPECT_THROW(awaiting->take_slot(), FailedPrecondition);
+  EXPECT_THROW(awaiting->engine().take_slot(), FailedPrecondition);
   const auto scene = make_ready();
-  const auto slot = scene->take_slot();
+  const auto slot = scene->engine().take_slot();
   EXPECT_GE(slot->room(100).size(), 100u);
-  scene->close({});
+  scene->record().close({});
   scene->release();
-  EXPECT_THROW(scene->take_slot(), NotFound);
-  EXPECT_THROW(scene->apply(1, tip_frame(1, 2).input), NotFound);
-  EXPECT_THROW(scene->check_open(), NotFound);
+  EXPECT_THROW(scene->engine().take_slot(), NotFound);
+  EXPECT_THROW(scene->engine().apply(1, tip_frame(1, 2).input), NotFound);
+  EXPECT_THROW(scene->record().check_open(), NotFound);
 }
 
 TEST_F(SceneTest, ASlotBringsPositions) {
   const auto scene = make_ready();
   auto frame = tip_frame(1, 2);
   FrameInput input;
-  input.slot = scene->take_slot();
+  input.slot = scene->engine().take_slot();
   input.slot->send(frame.input.updates);
-  EXPECT_EQ(scene->apply(1, input).vertex_triangle.size(), 1u);
+  EXPECT_EQ(scene->engine().apply(1, input).vertex_triangle.size(), 1u);
 }
 
 /// An edit that adds a copy of the tip.
@@ -244,11 +244,11 @@ PendingFrame adding_frame(uint64_t id, const std::shared_ptr<const ScenePlan>& p
 
 TEST_F(SceneTest, FollowsItsEdits) {
   const auto scene = make_ready();
-  scene->apply(1, tip_frame(1, 2).input);
+  scene->engine().apply(1, tip_frame(1, 2).input);
   const auto before = scene->plan();
-  const uint64_t bytes_before = scene->max_position_bytes();
+  const uint64_t bytes_before = max_position_bytes(scene->plan()->engine);
   const PendingFrame frame = adding_frame(2, before);
-  scene->apply(2, frame.input, frame.basis);
+  scene->engine().apply(2, frame.input, frame.basis);
   const auto after = scene->plan();
   ASSERT_EQ(after->meshes.size(), 3u);
   EXPECT_EQ(after->meshes[2].name, "copy");
@@ -256,28 +256,28 @@ TEST_F(SceneTest, FollowsItsEdits) {
   EXPECT_EQ(before->meshes.size(), 2u);
   EXPECT_EQ(scene->snapshot().vertices, 9u);
   EXPECT_EQ(scene->snapshot().triangles, 3u);
-  EXPECT_EQ(scene->edits(), 1u);
-  EXPECT_EQ(scene->max_position_bytes(), bytes_before / 2 * 3);
-  EXPECT_EQ(scene->awaited(2), 0u);
-  EXPECT_THROW(scene->begin_upload(2), FailedPrecondition);
+  EXPECT_EQ(scene->record().edits(), 1u);
+  EXPECT_EQ(max_position_bytes(scene->plan()->engine), bytes_before / 2 * 3);
+  EXPECT_EQ(scene->uploads().awaited(2), 0u);
+  EXPECT_THROW(scene->uploads().begin(2), FailedPrecondition);
 }
 
 // It was checked against another scene than the one that it would be applied to.
 TEST_F(SceneTest, RefusesWhatWasCheckedBeforeAnEdit) {
   const auto scene = make_ready();
-  scene->apply(1, tip_frame(1, 2).input);
+  scene->engine().apply(1, tip_frame(1, 2).input);
   const auto before = scene->plan();
-  const auto slot = scene->take_slot();
+  const auto slot = scene->engine().take_slot();
   const PendingFrame edit = adding_frame(2, before), other = adding_frame(3, before);
-  scene->apply(2, edit.input, edit.basis);
-  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->apply(3, other.input, other.basis); }),
+  scene->engine().apply(2, edit.input, edit.basis);
+  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->engine().apply(3, other.input, other.basis); }),
             "frame: frame 3 came before scene id was edited by frame 2, and does not fit it any more; send it again");
   FrameInput of_slot;
   slot->send({});
   of_slot.slot = slot;
-  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->apply(3, of_slot); }).substr(0, 6), "frame:");
-  EXPECT_EQ(scene->edits(), 1u);
-  scene->apply(3, tip_frame(3, 2).input);
+  EXPECT_EQ(refusal<FailedPrecondition>([&] { scene->engine().apply(3, of_slot); }).substr(0, 6), "frame:");
+  EXPECT_EQ(scene->record().edits(), 1u);
+  scene->engine().apply(3, tip_frame(3, 2).input);
 }
 
 // Memory of its tables is taken before the engine begins, so that no frame fails once it has been applied.
@@ -285,15 +285,15 @@ TEST_F(SceneTest, AnEditThatTheClientHasNoMemoryForChangesNothing) {
   ScenePlan plan = tip_plan();
   plan.engine.memory_budget = 600'000;
   const auto scene = make(std::move(plan));
-  scene->build_if_complete();
-  scene->apply(1, tip_frame(1, 2).input);
+  scene->engine().build_if_complete();
+  scene->engine().apply(1, tip_frame(1, 2).input);
   PendingFrame frame = adding_frame(2, scene->plan());
   SceneEdit huge = *frame.input.edit;
   huge.meshes[0].spec.triangles.assign(20'000, {0, 1, 2});
   frame.input.edit = std::make_shared<const SceneEdit>(huge);
-  EXPECT_THROW(scene->apply(2, frame.input, frame.basis), LimitExceeded);
-  EXPECT_EQ(scene->edits(), 0u);
-  EXPECT_EQ(scene->apply(2, tip_frame(2, 2).input).vertex_triangle.size(), 1u);
+  EXPECT_THROW(scene->engine().apply(2, frame.input, frame.basis), LimitExceeded);
+  EXPECT_EQ(scene->record().edits(), 0u);
+  EXPECT_EQ(scene->engine().apply(2, tip_frame(2, 2).input).vertex_triangle.size(), 1u);
 }
 
 }  // namespace

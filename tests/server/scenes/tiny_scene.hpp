@@ -12,8 +12,8 @@
 #include <string>
 #include <utility>
 
+#include "server/devices/turns.hpp"
 #include "server/frames/frame.hpp"
-#include "server/limits/turns.hpp"
 #include "server/scenes/scene.hpp"
 #include "server/scenes/scene_store.hpp"
 
@@ -84,7 +84,7 @@ struct SceneBench {
 
   SceneUse add(const Client& owner, SceneRequest request) {
     auto added = scenes.add(owner, std::move(request));
-    added.scene->worker().post([scene = added.scene] { scene->build_if_complete(); });
+    added.scene->worker().post([scene = added.scene] { scene->engine().build_if_complete(); });
     added.scene->worker().flush();
     return added.scene;
   }

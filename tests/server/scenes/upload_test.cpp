@@ -83,13 +83,13 @@ TEST_F(UploadTest, ASilentOneEndsOnceAndItsMeshIsFree) {
   const auto upload = make_waiting();
   upload->end_if_stale(start_ + kLimit, kLimit);
   EXPECT_TRUE(ends_.empty());
-  EXPECT_THROW(scene_->begin_upload(1), FailedPrecondition);
+  EXPECT_THROW(scene_->uploads().begin(1), FailedPrecondition);
   for (int i = 1; i < 3; ++i) upload->end_if_stale(start_ + kLimit + seconds(i), kLimit);
   EXPECT_EQ(ends_, std::vector<std::string>{"TimedOut"});
   EXPECT_EQ(held_->held(), before_);
   EXPECT_FALSE(upload->receive(start_));
   EXPECT_FALSE(upload->end());
-  EXPECT_NO_THROW(scene_->begin_upload(1));
+  EXPECT_NO_THROW(scene_->uploads().begin(1));
 }
 
 TEST_F(UploadTest, AChunkBeginsTheTimeAnew) {

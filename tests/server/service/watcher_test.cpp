@@ -30,7 +30,7 @@ class WatcherTest : public testing::Test {
  protected:
   std::shared_ptr<Watcher> watch(WatchOptions options = {}) {
     auto watcher = std::make_shared<Watcher>(scene_.scene(), std::move(options), scene_->plan(), sink_);
-    scene_->begin_watch(watcher);
+    scene_->record().begin_watch(watcher);
     return watcher;
   }
   void answer(uint64_t id, float depth = 2) {
@@ -126,7 +126,7 @@ TEST_F(WatcherTest, IsToldOnceThatItsSceneIsGoneAndShownNothingAfterwards) {
   EXPECT_EQ(sink_->ends, 1);
   watcher->end(nullptr);
   EXPECT_EQ(sink_->ends, 1);
-  EXPECT_EQ(scene_->watchers().size(), 0u);
+  EXPECT_EQ(scene_->record().watchers().size(), 0u);
   get_ready(*watcher);
   EXPECT_EQ(shown(), Shown{});
   EXPECT_THROW(watch(), NotFound);

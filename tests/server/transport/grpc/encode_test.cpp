@@ -96,7 +96,7 @@ TEST_F(FrameEncode, TheGeneratedParserReadsWhatFillChunkWrites) {
     ASSERT_EQ(sent.size(), chunks.size());
     for (size_t i = 0; i < chunks.size(); ++i) {
       pb::ContactChunk expected;
-      fill_chunk(chunks[i], scene->topology(), &expected);
+      fill_chunk(chunks[i], scene->engine().topology(), &expected);
       ASSERT_EQ(sent[i].SerializeAsString(), expected.SerializeAsString()) << most;
     }
     pb::StreamFramesResponse end, sent_end = parse(messages.back());

@@ -33,7 +33,7 @@ class InProcessFrames : public testing::Test {
     EXPECT_TRUE(next(*stream).message.has_opened());
     return stream;
   }
-  std::string token_of(const std::string& scene) { return serving_.scene(scene)->facts().resume_token; }
+  std::string token_of(const std::string& scene) { return serving_.scene(scene)->identity().resume_token; }
   static InProcessAnswer next(InProcessStream& stream) {
     InProcessAnswer answer;
     EXPECT_EQ(stream.read(answer, kForEver), Arrival::kMessage);

@@ -17,7 +17,7 @@ class HostileLocal : public testing::Test {
  protected:
   void expect_all_left(const std::string& scene) {
     EXPECT_TRUE(eventually([&] { return serving_.server().connections() == 0; }));
-    EXPECT_TRUE(eventually([&] { return serving_.scene(scene)->stream() == nullptr; }));
+    EXPECT_TRUE(eventually([&] { return serving_.scene(scene)->record().stream() == nullptr; }));
     EXPECT_EQ(serving_.host().usage().streams(), 0u);
   }
 
@@ -79,7 +79,7 @@ TEST_F(HostileLocal, FloodsBeyondItsCredits) {
     *request.mutable_frame() = test::shared_frame(tip_frame(sent + 1, 2), stream.memory());
     if (!stream.raw().send(request.SerializeAsString(), {}, MSG_DONTWAIT)) break;
     ASSERT_LT(sent, 100'000u) << "nothing holds the client back";
-    EXPECT_LE(serving_.scene(scene)->stream()->waiting(), 2u);
+    EXPECT_LE(serving_.scene(scene)->record().stream()->waiting(), 2u);
   }
   for (uint64_t id = 2; id <= sent; ++id) ASSERT_TRUE(stream.receive(id).done) << id;
 }

@@ -77,7 +77,7 @@ class Serving {
     defaults.backend = "cpu";
     defaults.threads = 1;
     const auto added = host_.scenes().add(client(), parse_scene(request, defaults));
-    added.scene->worker().post([scene = added.scene] { scene->build_if_complete(); });
+    added.scene->worker().post([scene = added.scene] { scene->engine().build_if_complete(); });
     added.scene->worker().flush();
     return added.scene->id();
   }

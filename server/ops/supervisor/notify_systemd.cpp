@@ -1,7 +1,7 @@
 // The protocol of sd_notify(3), by libsystemd.
 #include <systemd/sd-daemon.h>
 
-#include "server/supervisor/notify.hpp"
+#include "server/ops/supervisor/notify.hpp"
 
 namespace collided::server {
 

@@ -1,5 +1,5 @@
 // A ready file is replaced as a whole, and never something else.
-#include "server/supervisor/ready_file.hpp"
+#include "server/ops/supervisor/ready_file.hpp"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

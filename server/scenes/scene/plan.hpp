@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "gpu/detector.hpp"
+#include "server/devices/device_bytes.hpp"
 #include "server/devices/served_devices.hpp"
-#include "server/limits/device_bytes.hpp"
 
 namespace collided::server {
+
+using TriangleCorners = std::array<uint32_t, 3>;
 
 /// Of a mesh or a scene.
 constexpr size_t kMaxNameBytes = 128;
@@ -30,6 +32,17 @@ inline uint64_t count_vertices(const SceneSpec& spec) {
   for (const auto& mesh : spec.meshes) vertices += mesh.vertex_count;
   return vertices;
 }
+
+/// Maximum bytes of positions in a frame, of all worlds.
+inline uint64_t max_position_bytes(const SceneSpec& spec) {
+  return count_worlds(spec) * count_vertices(spec) * max_vertex_bytes(spec);
+}
+
+/// Returns true for a scene that is spread over devices, or several times over one.
+inline bool is_in_parts(const SceneSpec& spec) { return !spec.part_devices.empty(); }
+
+/// Returns all devices that a scene is on, each once, in order.
+std::vector<Device> devices_of(const SceneSpec& spec);
 
 /// Contact fields that the client asked for.
 struct OutputFields {
@@ -70,6 +83,17 @@ inline DeviceWish wish_of(const ScenePlan& plan) {
   const std::vector<Device>& parts = plan.engine.part_devices;
   return {plan.engine.device.backend, parts.empty() ? plan.device : parts.front(), parts, plan.min_bytes, plan.quota};
 }
+
+/// Copies a plan without the elements of its meshes, which may be many; they stay where they are.
+ScenePlan without_elements(ScenePlan& plan);
+
+/// The quotas of all memory that a scene holds, within its budget, its client's limits and its devices'.
+struct SceneQuota {
+  explicit SceneQuota(const ScenePlan& plan);
+
+  std::shared_ptr<DeviceBytes> whole;      ///< of a scene in parts, of what is the scene's as a whole
+  std::shared_ptr<MemoryQuota> of_engine;  ///< in parts, if the scene is; else the same
+};
 
 /// A mesh that an edit brings.
 struct EditedMesh {

@@ -1,5 +1,5 @@
 // Scenes on several devices: a turn on each, or on none, and nobody waits forever.
-#include "server/limits/turns_of_scene.hpp"
+#include "server/devices/turns_of_scene.hpp"
 
 #include <gtest/gtest.h>
 

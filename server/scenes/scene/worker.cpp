@@ -1,5 +1,5 @@
 // One thread that runs a scene's work in order, with a bounded queue for frames.
-#include "server/scenes/scene_worker.hpp"
+#include "server/scenes/scene/worker.hpp"
 
 #include <chrono>
 #include <condition_variable>

@@ -1,12 +1,12 @@
 // What the daemon tells the service manager that started it.
-#include "server/supervisor/supervisor.hpp"
+#include "server/ops/supervisor/supervisor.hpp"
 
 #include <time.h>
 
 #include <algorithm>
 #include <cstdint>
 
-#include "server/supervisor/notify.hpp"
+#include "server/ops/supervisor/notify.hpp"
 
 namespace collided::server {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/limits/turns.hpp"
+#include "server/devices/turns.hpp"
 
 namespace collided::server {
 

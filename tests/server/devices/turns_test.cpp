@@ -1,5 +1,5 @@
 // Fair turns: who goes next, no starvation, and cancelled waits.
-#include "server/limits/turns.hpp"
+#include "server/devices/turns.hpp"
 
 #include <gtest/gtest.h>
 

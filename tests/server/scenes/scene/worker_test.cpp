@@ -1,5 +1,5 @@
 // The worker: order, bound, and an end on its own thread.
-#include "server/scenes/scene_worker.hpp"
+#include "server/scenes/scene/worker.hpp"
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>

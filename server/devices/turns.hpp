@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/auth/turn_path.hpp"
-#include "server/limits/load.hpp"
+#include "server/devices/load.hpp"
 #include "server/ops/clock.hpp"
 
 namespace collided::server {

@@ -1,5 +1,5 @@
 // The bytes that scenes hold.
-#include "server/limits/device_bytes.hpp"
+#include "server/devices/device_bytes.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

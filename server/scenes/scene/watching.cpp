@@ -1,5 +1,5 @@
 // The watchers of a scene's frames.
-#include "server/scenes/watching.hpp"
+#include "server/scenes/scene/watching.hpp"
 
 #include <utility>
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "gpu/detector.hpp"
-#include "server/limits/turns.hpp"
+#include "server/devices/turns.hpp"
 #include "tests/server/hand_clock.hpp"
 #include "tests/server/wait_until.hpp"
 

@@ -1,12 +1,12 @@
 // Slots are reused, end with their pool, and may outlive it.
-#include "server/scenes/slot_pool.hpp"
+#include "server/scenes/scene/slot_pool.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <thread>
 
-#include "server/limits/device_bytes.hpp"
+#include "server/devices/device_bytes.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 
 namespace collided::server {

@@ -1,5 +1,5 @@
 // Built without libsystemd.
-#include "server/supervisor/notify.hpp"
+#include "server/ops/supervisor/notify.hpp"
 
 namespace collided::server {
 

@@ -1,4 +1,4 @@
-#include "server/supervisor/ready_file.hpp"
+#include "server/ops/supervisor/ready_file.hpp"
 
 #include <string.h>
 #include <unistd.h>
@@ -21,7 +21,8 @@ std::string ready_file_obstacle(const std::string& path) {
   const fs::path parent = fs::path(path).parent_path();
   const std::string folder = parent.empty() ? "." : parent.string();
   if (!fs::is_directory(folder, ignored)) return "there is no folder " + folder;
-  if (access(folder.c_str(), W_OK | X_OK) != 0) return "its folder cannot be written to: " + std::string(strerror(errno));
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    return "its folder cannot be written to: " + std::string(strerror(errno));
   return "";
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gpu/sharded_quota.hpp"
-#include "server/limits/device_bytes.hpp"
+#include "server/devices/device_bytes.hpp"
 
 namespace collided::server {
 

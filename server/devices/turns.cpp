@@ -1,5 +1,5 @@
 // Decides who works next by start-time fair queuing on a tree, a quantum at a time.
-#include "server/limits/turns.hpp"
+#include "server/devices/turns.hpp"
 
 #include <algorithm>
 #include <utility>
