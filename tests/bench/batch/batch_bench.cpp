@@ -92,7 +92,7 @@ class BatchBench {
       : options_(options),
         daemon_({.backend = options.backend,
                  .threads = options.threads,
-                 .all_transports = true,
+                 .tcp = true,
                  .streams = options.worlds + 16}),
         client_(client::Client::connect(daemon_.address())),
         stub_(v1::CollisionService::NewStub(client_.channels().connect())) {
