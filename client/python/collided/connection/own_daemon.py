@@ -51,27 +51,20 @@ class OwnDaemon:
     def address(self) -> str:
         """Raises Unavailable if the daemon does not become ready."""
         with self._lock:
-            self._leave_to_parent()
-            if self._process is None or self._process.poll() is not None:
-                self._end()
+            if self.pid == 0 or self._process is None or self._process.poll() is not None:
+                _end(self._process)
                 self._start()
             return self._address
 
     @property
     def pid(self) -> int:
-        """Of the process group that the daemon runs in; 0 if none runs."""
-        return 0 if self._process is None else self._process.pid
+        """Of the process group that the daemon runs in; 0 if none runs, or if it is the parent's of a forked process."""
+        return self._process.pid if self._process is not None and self._process in _running else 0
 
     def stop(self) -> None:
         """Ends it; a later `address` starts another one."""
         with self._lock:
-            self._leave_to_parent()
-            self._end()
-
-    def _leave_to_parent(self) -> None:
-        """In a forked process: the daemon is not its own."""
-        if self._process not in _running:
-            self._process = None
+            _end(self._process)
 
     def _start(self) -> None:
         if sys.platform != "linux":
@@ -85,13 +78,8 @@ class OwnDaemon:
         try:
             self._address = _wait_until_ready(self._process, program)
         except BaseException:
-            self._end(seconds=0)
+            _end(self._process, seconds=0)
             raise
-
-    def _end(self, seconds: float = _STOP_SECONDS) -> None:
-        if self._process is not None:
-            _end(self._process, seconds)
-        self._process = None
 
 
 def _wait_until_ready(process: subprocess.Popen[bytes], program: str) -> str:
@@ -120,7 +108,7 @@ def _failure(program: str, said: str) -> Exception:
     return Unavailable(": ".join([f"daemon {program} did not become ready", *filter(None, ["; ".join(last)])]))
 
 
-_running: set[subprocess.Popen[bytes] | None] = set()  # daemons of this process
+_running: set[subprocess.Popen[bytes]] = set()  # daemons of this process, which are none of its forked ones
 
 
 def _let_go(process: subprocess.Popen[bytes]) -> None:
@@ -130,8 +118,10 @@ def _let_go(process: subprocess.Popen[bytes]) -> None:
         pipe.close()
 
 
-def _end(process: subprocess.Popen[bytes], seconds: float) -> None:
+def _end(process: subprocess.Popen[bytes] | None, seconds: float = _STOP_SECONDS) -> None:
     """Returns once the daemon and its folder are gone. It is killed, with its process group, if it takes longer than that."""
+    if process is None or process not in _running:
+        return
     _running.discard(process)
     with contextlib.suppress(subprocess.TimeoutExpired, ProcessLookupError):
         try:
@@ -144,17 +134,17 @@ def _end(process: subprocess.Popen[bytes], seconds: float) -> None:
 
 def _end_all() -> None:
     """At the end of the process, when nothing uses them any more. Those that take longer than the rest have nothing to lose."""
-    for process in filter(None, list(_running)):
+    for process in _running.copy():
         _end(process, _EXIT_SECONDS)
 
 
-def _leave_all_to_parent() -> None:
-    for process in filter(None, list(_running)):
+def _let_all_go() -> None:
+    for process in _running.copy():
         _let_go(process)
 
 
 if sys.platform != "win32":  # where no process forks
-    os.register_at_fork(after_in_child=_leave_all_to_parent)
+    os.register_at_fork(after_in_child=_let_all_go)
 _shared: OwnDaemon | None = None
 _shared_lock = threading.Lock()
 
