@@ -5,13 +5,16 @@ usage: private_test.py DAEMON
 """
 
 import contextlib
+import fcntl
 import os
 import pathlib
+import pty
 import signal
 import socket
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import unittest
 
@@ -228,6 +231,23 @@ class Ends(Case):
             here.shutdown(socket.SHUT_WR)
             self.assertEqual(daemon.end(), 0)
         self.expect_nothing_left()
+
+    def test_at_a_terminal_by_an_interrupt_and_with_it(self):
+        def take_terminal():
+            os.setsid()
+            fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+        for is_interrupted in (True, False):
+            master, slave = pty.openpty()
+            daemon = self.start(stdin=slave, before=take_terminal)
+            os.close(slave)
+            daemon.ready()
+            if is_interrupted:
+                os.write(master, b"\x03")
+                self.assertEqual(daemon.end(), 0)
+            os.close(master)
+            self.assertEqual(daemon.end(), 0)
+            self.expect_nothing_left()
 
     def test_with_a_parent_that_is_killed(self):
         program = ("import os, subprocess, sys\n"
