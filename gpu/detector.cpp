@@ -6,7 +6,7 @@
 #include "gpu/exec/asks.hpp"
 #include "gpu/scene/backends/backends.hpp"
 #include "gpu/scene/known_lengths.hpp"
-#include "gpu/scene/parts/parted_scene.hpp"
+#include "gpu/scene/shards/sharded_scene.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/tables/tables.hpp"
 
@@ -66,16 +66,15 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec, std::function<bool()>
   asks.begin(std::move(cancelled));
   FeatureTables features = make_tables(spec, making, asks);
   check_size(spec, features.topology);
-  if (!spec.part_devices.empty()) return make_parted_scene(std::move(spec), std::move(features));
+  if (!spec.part_devices.empty()) return make_sharded_scene(std::move(spec), std::move(features));
   expect_known_lengths(spec, features.topology);
   return spec.device.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))
                                                : make_cpu_detector(std::move(spec), std::move(features));
 }
 
-void check_options(const SceneSpec& spec, const FrameInput& frame) {
-  check_spec(spec);
-  check_frame(spec, frame);
-}
+void check_options(const SceneSpec& spec) { check_spec(spec); }
+
+void check_options_of_frame(const SceneSpec& spec, const FrameInput& frame) { check_frame(spec, frame); }
 
 std::vector<DeviceInfo> list_devices(int threads) {
   std::vector<DeviceInfo> devices{cpu_device(threads)};

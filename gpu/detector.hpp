@@ -54,9 +54,11 @@ struct SceneEstimate {
 /// nothing on the backend and reads no vertex and no element of the meshes. Throws InvalidInput for a bad spec.
 SceneEstimate estimate_scene(const SceneSpec& spec, uint64_t vertices, uint64_t triangles);
 
-/// Throws InvalidInput, naming the option, for options of a scene, or of one frame of it, that cannot be used or do not
-/// go together. Reads no mesh and no update.
-void check_options(const SceneSpec& spec, const FrameInput& frame = {});
+/// Throws InvalidInput, naming the option, for options of a scene that cannot be used or do not go together. Reads no
+/// mesh.
+void check_options(const SceneSpec& spec);
+/// The same for those of a frame of a scene whose options passed. Reads no update.
+void check_options_of_frame(const SceneSpec& spec, const FrameInput& frame);
 
 /// The same for pairs that are left out: rings of meshes, rest pairs, pairs of meshes. Reads the meshes of the spec,
 /// but not their triangles.
@@ -109,8 +111,8 @@ class KeptCudaDevice {
   std::optional<int> ordinal_;
 };
 
-/// Throws InvalidInput, naming `field`, unless the bytes lie in memory of this CUDA device. The driver is asked about the
-/// first and the last byte. For the CPU nothing is checked.
+/// Throws InvalidInput, naming `field`, unless the bytes lie in memory of this CUDA device. The driver is asked about
+/// the first and the last byte. For the CPU nothing is checked.
 void check_device_memory(const Device& device, std::span<const std::byte> memory, const std::string& field);
 
 /// Opens memory that another process has on this device, or on one that it reaches directly, by its cudaIpcMemHandle_t

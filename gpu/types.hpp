@@ -169,11 +169,11 @@ struct SceneSpec {
   int threads = 0;                            ///< CPU threads; 0: all cores
   ListLengths expected = {};                  ///< where there is no room for so much, lists begin as without it
   std::shared_ptr<KnownLengths> known;        ///< of scenes alike: the scene expects and tells them; may be empty
-  /// Empty: the scene is one, on `device`. Else it is in so many parts, up to kMaxParts: part k is on part_devices[k],
-  /// and `device` is not asked. They are of one backend; several may be on one device, and CPU threads are shared out
-  /// among all. Each part has all positions, and finds the contacts of some regions of space; what a frame answers is
-  /// the same. `memory_budget` is then each part's. Not with sets of worlds, lists of neighbours (`reuse`) and
-  /// ContactRoom.
+  /// Empty: the scene is one, on `device`. Else it is divided into so many shards, up to kMaxShards: shard k is on
+  /// part_devices[k], and `device` is not asked. They are of one backend; several may be on one device, and CPU threads
+  /// are shared out among all. Each shard has all positions, and finds the contacts of some regions of space; what a
+  /// frame answers is the same. `memory_budget` is then each shard's. Not with sets of worlds, lists of neighbours
+  /// (`reuse`) and ContactRoom.
   std::vector<Device> part_devices = {};
   /// 0: the scene is one. Else it is a set of so many worlds, up to kMaxWorlds: each has all the meshes, stored once,
   /// and positions of its own, and none touches another. A frame names mesh m of world w as w * meshes.size() + m.
@@ -181,8 +181,8 @@ struct SceneSpec {
   std::vector<MeshSpec> meshes;
 };
 constexpr uint32_t kMaxWorlds = 1u << 16;
-constexpr size_t kMaxParts = 64;
-/// That the scene is on, or its first part.
+constexpr size_t kMaxShards = 64;
+/// That the scene is on, or its first shard.
 inline const Device& device_of(const SceneSpec& spec) {
   return spec.part_devices.empty() ? spec.device : spec.part_devices.front();
 }
@@ -338,10 +338,10 @@ struct WorldResults {
   std::vector<RefusedWorld> refused;     ///< ascending
 };
 
-/// What a part of a scene had of a frame.
-struct PartFacts {
+/// What a shard of a scene had of a frame.
+struct ShardFacts {
   double share = 1;              ///< of the blocks of space, in [0, 1]
-  double step_milliseconds = 0;  ///< as FrameResult has it; the scene's is that of the slowest part
+  double step_milliseconds = 0;  ///< as FrameResult has it; the scene's is that of the slowest shard
   uint64_t pairs = 0, contacts = 0;
 };
 
@@ -364,9 +364,9 @@ struct FrameResult : PerKind<ContactSet> {
   /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
   std::optional<double> advanced = {};
   bool any_contact = false;
-  WorldResults worlds;            ///< of a set of worlds
-  std::vector<PartFacts> parts;   ///< of a scene in parts. Counts of what was done (cells, tests) are of all together
-  bool input_resolution = false;  ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
+  WorldResults worlds;             ///< of a set of worlds
+  std::vector<ShardFacts> shards;  ///< of a scene in parts. Counts of what was done (cells, tests) are of all together
+  bool input_resolution = false;   ///< the input's own spacing is coarser than delta (0: than 1/1000 of most triangles)
   std::vector<std::string> unused_options;  ///< of the spec, that are set and had no effect on this frame
   /// The contacts' memory, within what the scene took of its memory_quota for answers; given back with the last copy.
   /// May be null.

@@ -1,11 +1,11 @@
 #pragma once
-// A part of a scene that several backends work on: which pairs of triangles are its own.
+// A shard of a scene that several backends work on: which pairs of triangles are its own.
 // - Space is divided into blocks, cells of one level of a lattice over the scene's bounds. A block has a number, evenly
-//   spread by a hash, and a part the blocks whose numbers lie in its range: blocks of every region, so that parts are
+//   spread by a hash, and a shard the blocks whose numbers lie in its range: blocks of every region, so that shards are
 //   about equal wherever the work is.
 // - A pair is of the block that holds the larger of its boxes' lower corners, which lies in both boxes: of exactly one.
-//   A triangle that touches none of a part's blocks is in none of its pairs.
-// Bounds, and how large triangles are, are numbers that do not depend on any order, so that all parts know the same
+//   A triangle that touches none of a shard's blocks is in none of its pairs.
+// Bounds, and how large triangles are, are numbers that do not depend on any order, so that all shards know the same
 // blocks without a word.
 
 #include "gpu/base/lattice.hpp"
@@ -51,7 +51,7 @@ struct Share {
     const float lattice = grid.cells_per_length;
     return cell_level >= level && lattice > 0 && of_cells.cells_per_length == lattice;
   }
-  /// Of such a cell: whether pairs whose larger lower corner it holds are the part's own.
+  /// Of such a cell: whether pairs whose larger lower corner it holds are the shard's own.
   COLLIDED_HD bool has_cell(const Coords& cell, int cell_level) const { return has(shifted(cell, cell_level - level)); }
   /// Whether a pair may be its own that a triangle with this box is in.
   COLLIDED_HD bool touches(const Box<float>& box) const {
@@ -79,13 +79,13 @@ struct Share {
   }
 };
 
-/// Which pairs are a part's own. Of a scene that is one: all.
+/// Which pairs are a shard's own. Of a scene that is one: all.
 struct SharedPairs {
   const Share* share = nullptr;
   const Box<float>* boxes = nullptr;  ///< of the triangles
 
   COLLIDED_HD bool is_needed() const { return share != nullptr; }
-  /// Whether all pairs of a leaf are of one part.
+  /// Whether all pairs of a leaf are of one shard.
   COLLIDED_HD bool has_leaves_of_one_part(const LevelGrid& grid, int level) const {
     return !is_needed() || share->holds_cells(grid, level);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// How large the scene and its triangles are, before anything is built. In a part of a scene (base/share.hpp) the
+// How large the scene and its triangles are, before anything is built. In a shard of a scene (base/share.hpp) the
 // triangles that are in none of its pairs are left out then: from there on their boxes meet nothing.
 
 #include "gpu/base/extent.hpp"
@@ -43,29 +43,29 @@ struct LeaveOutIdle {
   }
 };
 
-/// What a part of a scene has of it.
+/// What a shard of a scene has of it.
 template <Executor Exec>
 class ResidentShare {
  public:
   explicit ResidentShare(Exec& exec) : resident_(exec, "counters") {}
 
-  /// Makes the scene a part, which has this share from the next step on.
+  /// Makes the scene a shard, which has this share from the next step on.
   void take(const ShareRange& range) {
     resident_.allocate(1);
     own_ = range;
   }
-  bool is_part() const { return resident_.capacity() > 0; }
-  /// Null where the scene is no part. It stays where it is.
+  bool is_shard() const { return resident_.capacity() > 0; }
+  /// Null where the scene is no shard. It stays where it is.
   Share* data() const { return resident_.data(); }
 
-  /// Before a step that is of the part's own pairs.
+  /// Before a step that is of the shard's own pairs.
   void send(Exec& exec) { send(exec, own_); }
   /// Before one that is of all.
   void send_all(Exec& exec) { send(exec, {}); }
 
  private:
   void send(Exec& exec, const ShareRange& range) {
-    if (!is_part()) return;
+    if (!is_shard()) return;
     sent_ = range;
     exec.upload(&data()->range, &sent_, sizeof(sent_));
   }
@@ -79,7 +79,7 @@ struct SceneSize {
   Span<Box<float>> boxes;
   Box<float>* bounds;  ///< where they go
   uint64_t* extents;   ///< likewise; the sum
-  Share* share;        ///< null: the scene is no part
+  Share* share;        ///< null: the scene is no shard
 };
 
 /// The bounds, and then then(0).

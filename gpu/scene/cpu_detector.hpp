@@ -7,10 +7,10 @@
 namespace collided {
 
 template <class Real>
-std::unique_ptr<Detector> make_cpu_detector_of(SceneSpec spec, FeatureTables features, const PartOf* part) {
+std::unique_ptr<Detector> make_cpu_detector_of(SceneSpec spec, FeatureTables features, const ShardOf* shard) {
   const int threads = spec.threads;
   const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
-  return std::make_unique<SceneDetector<CpuExec, Real>>(std::move(spec), std::move(features), part, threads, memory);
+  return std::make_unique<SceneDetector<CpuExec, Real>>(std::move(spec), std::move(features), shard, threads, memory);
 }
 
 }  // namespace collided

@@ -3,6 +3,6 @@
 namespace collided {
 
 template std::unique_ptr<Detector> make_cpu_detector_of<float>(SceneSpec spec, FeatureTables features,
-                                                               const PartOf* part);
+                                                               const ShardOf* shard);
 
 }  // namespace collided

@@ -8,10 +8,10 @@
 namespace collided {
 
 template <class Real>
-std::unique_ptr<Detector> make_cuda_detector_of(SceneSpec spec, FeatureTables features, const PartOf* part) {
+std::unique_ptr<Detector> make_cuda_detector_of(SceneSpec spec, FeatureTables features, const ShardOf* shard) {
   const int device = spec.device.ordinal, threads = spec.threads;
   const MemoryLimits memory(spec.memory_budget, spec.memory_quota);
-  return std::make_unique<SceneDetector<CudaExec, Real>>(std::move(spec), std::move(features), part, device, threads,
+  return std::make_unique<SceneDetector<CudaExec, Real>>(std::move(spec), std::move(features), shard, device, threads,
                                                          memory);
 }
 

@@ -3,7 +3,7 @@
 namespace collided {
 
 template std::unique_ptr<Detector> make_cuda_detector_of<double>(SceneSpec spec, FeatureTables features,
-                                                                 const PartOf* part);
+                                                                 const ShardOf* shard);
 template void load_cuda_kernels_of<double>();
 
 }  // namespace collided

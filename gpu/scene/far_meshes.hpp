@@ -10,8 +10,8 @@
 
 namespace collided {
 
-/// Samples how far the vertices of a mesh go and how long its edges are. A large mesh is sampled by runs of vertices that
-/// are spread evenly over it: neighbours in number mostly are neighbours in space, and have edges.
+/// Samples how far the vertices of a mesh go and how long its edges are. A large mesh is sampled by runs of vertices
+/// that are spread evenly over it: neighbours in number mostly are neighbours in space, and have edges.
 template <Executor Exec, class Real>
 class SampledMesh {
  public:

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "gpu/base/text.hpp"
+#include "gpu/boxes/boxes.hpp"
 #include "gpu/positions/blend.hpp"
 #include "gpu/positions/checks.hpp"
 #include "gpu/positions/rigid_arc.hpp"
 #include "gpu/positions/slot.hpp"
-#include "gpu/boxes/boxes.hpp"
 #include "gpu/state/buffers.hpp"
 
 namespace collided {

@@ -135,9 +135,9 @@ void check_worlds(const SceneSpec& spec) {
 }
 
 void check_parts(const SceneSpec& spec) {
-  if (spec.part_devices.size() > kMaxParts)
+  if (spec.part_devices.size() > kMaxShards)
     throw InvalidInput("part_devices", "part_devices has " + text(spec.part_devices.size()) + " parts, the limit is " +
-                                           text(kMaxParts));
+                                           text(kMaxShards));
   if (spec.worlds > 0)
     throw InvalidInput("part_devices", "part_devices has " + text(spec.part_devices.size()) +
                                            " parts, but a set of worlds is on one device");

@@ -8,46 +8,41 @@
 #include "gpu/contacts/world_results.hpp"
 #include "gpu/detector.hpp"
 #include "gpu/positions/sample.hpp"
-#include "gpu/scene/edit.hpp"
+#include "gpu/scene/advance_tries.hpp"
 #include "gpu/scene/far_meshes.hpp"
+#include "gpu/scene/frame_checks.hpp"
 #include "gpu/scene/known_lengths.hpp"
-#include "gpu/scene/parts/meeting.hpp"
-#include "gpu/scene/resident_positions.hpp"
-#include "gpu/scene/rest_pairs.hpp"
-#include "gpu/scene/rules.hpp"
-#include "gpu/scene/scene_model.hpp"
-#include "gpu/step/advance.hpp"
-#include "gpu/step/pipeline.hpp"
-#include "gpu/tables/tables.hpp"
+#include "gpu/scene/scene_edits.hpp"
 
 namespace collided {
 
 template <Executor Exec, class Real>
 class SceneDetector final : public Detector {
  public:
-  /// `part`: the scene is a part of another; may be null.
+  /// `shard`: the scene is a shard of another; may be null.
   template <class... ExecArgs>
-  SceneDetector(SceneSpec spec, FeatureTables features, const PartOf* part, ExecArgs... args)
-      : part_(part),
+  SceneDetector(SceneSpec spec, FeatureTables features, const ShardOf* shard, ExecArgs... args)
+      : shard_(shard),
         exec_(args...),
         model_(exec_, std::move(spec), std::move(features)),
         positions_(exec_, model_.shape(), scene_),
         pipeline_(exec_, spec_, model_.counts(), scene_),
         rest_pairs_(exec_, spec_, scene_, pipeline_),
+        edits_(exec_, model_, positions_, pipeline_, rest_pairs_),
+        tries_(exec_, spec_, shard, positions_, pipeline_),
         told_(spec_.expected) {
-    if (part_ != nullptr) scene_.share.take(part_->share);
+    if (shard_ != nullptr) scene_.share.take(shard_->share);
   }
 
   FrameResult detect(const FrameInput& frame) override {
     const DefaultFloatEnvironment environment;
-    check_frame(spec_, frame);
-    FrameSettings settings = settings_of(spec_, frame);
+    const CheckedFrame checked = checks_.check(spec_, frame);
+    FrameSettings settings = checked.settings;
     settings.encoding = encoding_;
     exec_.asks().begin(frame.cancelled);
-    FrameResult result =
-        exec_.frame([&] { return frame.edit ? detect_edited(frame, settings) : detect(frame, settings); });
+    FrameResult result = exec_.frame([&] { return frame.edit ? edit(frame, settings) : detect(frame, settings); });
     if (list_lengths().exceed(told_)) tell_lengths();
-    result.unused_options = unused_options(spec_, frame);
+    result.unused_options = frame.edit ? unused_options(spec_, frame) : checked.unused;
     return result;
   }
 
@@ -89,73 +84,20 @@ class SceneDetector final : public Detector {
 
  private:
   using Slot = SceneSlot<Exec, Real>;
-  using Parts = typename SceneModel<Exec, Real>::Parts;
-  using Saved = typename ResidentPositions<Exec, Real>::Saved;
 
   std::shared_ptr<Slot> new_slot() const { return std::make_shared<Slot>(model_.slot_shape(), exec_); }
 
-  /// The scene stays as edited if the frame counts, and else as it was.
-  FrameResult detect_edited(const FrameInput& frame, const FrameSettings& settings) {
-    if (!positions_.has_frame())
-      throw InvalidInput("edit", "edit is given in the scene's first frame, which has its meshes by the scene's spec");
-    Parts before(exec_);
-    Saved saved = positions_.save();
-    bool is_begun = false;
-    try {
-      exec_.stage("edit", [&] {
-        MemoryHold making(spec_.memory_quota);
-        EditedScene edited = edit_scene(spec_, model_.topology(), frame, settings.is_ccd());
-        FeatureTables features;
-        if (edited.changes_features)
-          features = make_tables(edited.spec, making, exec_.asks());
-        else
-          features.rings = make_rings(edited.spec, model_.topology(), making, exec_.asks());
-        model_.swap(before);
-        is_begun = true;
-        begin_edited(std::move(edited), std::move(features), before, saved);
-      });
-      FrameResult result = detect(frame, settings);
-      release_unneeded();
-      return result;
-    } catch (...) {
-      if (is_begun) undo(before, std::move(saved));
-      throw;
-    }
-  }
-  void begin_edited(EditedScene edited, FeatureTables features, const Parts& before, const Saved& saved) {
-    own_slot_ = nullptr;
-    if (edited.changes_features)
-      model_.take(std::move(edited.spec), std::move(features));
-    else
-      model_.take_rules(std::move(edited.spec), before, features.rings);
-    pipeline_.resize(model_.topology());
-    positions_.edit(saved, before.buffers, before.shape.vertex_offset, std::move(edited.first));
-    rest_pairs_.edit(before.buffers.topology.rest_pairs, IdShift(before.topology, model_.topology()),
-                     edited.begins_at_rest);
-  }
-  void undo(Parts& before, Saved saved) {
-    own_slot_ = nullptr;
-    model_.swap(before);
-    pipeline_.resize(model_.topology());
-    positions_.restore(std::move(saved));
-    rest_pairs_.settle();
+  FrameResult edit(const FrameInput& frame, const FrameSettings& settings) {
+    checks_.forget();
+    return edits_.apply(frame, settings.is_ccd(), [&] { return detect(frame, settings); });
   }
   void tell_lengths() {
     told_ = list_lengths();
     if (spec_.known) spec_.known->learn(hash_of_scene(spec_, model_.topology()), told_);
   }
-  /// Lists that a much larger scene needed.
-  void release_unneeded() {
-    const size_t triangles = model_.topology().triangles.size();
-    most_triangles_ = std::max(most_triangles_, triangles);
-    if (2 * triangles > most_triangles_) return;
-    most_triangles_ = triangles;
-    pipeline_.release_lists();
-  }
-
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
     const bool begins_at_rest = rest_pairs_.are_awaited();
-    if (part_ != nullptr) scene_.share.take(part_->share);
+    if (shard_ != nullptr) scene_.share.take(shard_->share);
     if (spec_.kinds.edge_edge && (settings.accuracy != Accuracy::kCandidates || begins_at_rest || frame.room.stencils))
       model_.require_edges();
     const bool boxes_static = !positions_.are_boxes_good();
@@ -180,7 +122,7 @@ class SceneDetector final : public Detector {
     FrameResult result = search(frame, settings, boxes_static);
     if (begins_at_rest) add_costs(rest, result);
     exec_.asks().ask();
-    if (part_ != nullptr) part_->take_answer(result, exec_.asks());
+    if (shard_ != nullptr) shard_->take_answer(result, exec_.asks());
     if (frame.trial) {
       positions_.end_trial();
       return result;
@@ -194,11 +136,9 @@ class SceneDetector final : public Detector {
   /// Finds the contacts of the positions that are resident.
   FrameResult search(const FrameInput& frame, const FrameSettings& settings, bool boxes_static) {
     try {
-      const bool has_margin = frame.advance && settings.accuracy != Accuracy::kExact;
-      const double margin = has_margin ? advance_margin(pipeline_.measure_way(), spec_.min_separation) : 0;
-      const FrameSettings own = frame.advance ? with_margin(settings, margin) : settings;
+      const FrameSettings own = frame.advance ? tries_.begin(settings) : settings;
       FrameResult result = pipeline_.detect_contacts(boxes_static, own, frame.bytes_beside_contact, frame.room);
-      if (frame.advance) advance(own, margin, result);
+      if (frame.advance) tries_.finish(own, result);
       return result;
     } catch (...) {
       if (frame.progress != nullptr) tell_progress(settings.is_ccd(), *frame.progress);
@@ -213,13 +153,7 @@ class SceneDetector final : public Detector {
   } catch (...) {
   }
 
-  /// What all parts of the scene found; of a scene that is one: what it did. Once all have come they go on alike.
-  Found share(const FrameResult& result) {
-    const Found found{result.any_contact, result.earliest_toi};
-    return part_ == nullptr ? found : part_->meeting.meet(found, exec_.asks());
-  }
-
-  /// The rest of a set's frame, for the worlds that take part in it.
+  /// The rest of a set's frame, for the worlds that take shard in it.
   FrameResult detect_worlds(WorldFrames worlds, Slot& slot, const FrameSettings& settings,
                             uint64_t bytes_beside_contact) {
     FrameResult result;
@@ -258,60 +192,10 @@ class SceneDetector final : public Detector {
     make_one_stage(result.stages, rest.first_stage, rest.end_stage, "rest_pairs");
   }
 
-  /// Where a step with the frame's own settings can serve as the first try of an advance, it does.
-  FrameSettings with_margin(FrameSettings settings, double margin) const {
-    if (settings.accuracy == Accuracy::kCertified && settings.thickness == spec_.min_separation)
-      settings.thickness += margin;
-    return settings;
-  }
-
-  /// After the frame's own step, from whose end the scene goes back as far as it has to.
-  void advance(const FrameSettings& settings, double margin, FrameResult& result) {
-    const FrameSettings attempt = settings_of_try(spec_, settings.accuracy, margin);
-    const bool is_same_question = settings.start_thickness == spec_.min_separation && settings.encoding == 0 &&
-                                  settings.report != Report::kAnyHit;
-    const Found found = share(result);
-    AdvanceSearch search(is_same_question ? found.earliest_toi : 1);
-    // The earliest time is 1 without contacts, and may be 1 with an exact one.
-    const bool may_end_in_contact = settings.accuracy == Accuracy::kExact && found.any_contact;
-    if (search.fraction() < 1 || !is_same_question || !covers(settings, attempt) || may_end_in_contact)
-      try_until_free(search, attempt, result);
-    result.advanced = search.fraction();
-  }
-  void try_until_free(AdvanceSearch& search, const FrameSettings& attempt, FrameResult& result) {
-    positions_.keep_target();
-    const size_t own_stages = result.stages.size();
-    while (search.can_try()) {
-      if (search.fraction() < 1) positions_.go(search.fraction());
-      const FrameResult tried = pipeline_.detect_contacts(false, attempt, 0);
-      add_costs(result, own_stages, tried);
-      const Found found = share(tried);
-      if (!found.any_contact) return;
-      search.fail(found.earliest_toi);
-    }
-    positions_.go(search.fraction());
-  }
-  /// What the backend tells of a try is of the whole frame so far; all tries are one stage.
-  static void add_costs(FrameResult& result, size_t own_stages, const FrameResult& tried) {
-    result.replays += tried.replays;
-    result.allocations = tried.allocations;
-    result.graph_launches = tried.graph_launches;
-    result.step_milliseconds = tried.step_milliseconds;
-    result.stages = tried.stages;
-    make_one_stage(result.stages, own_stages, tried.stages.size(), "advance");
-  }
-  /// Stages [first, end) become one.
-  static void make_one_stage(std::vector<StageTime>& stages, size_t first, size_t end, const char* name) {
-    StageTime all{name, 0};
-    for (size_t i = first; i < end; ++i) all.milliseconds += stages[i].milliseconds;
-    const auto at = stages.begin() + static_cast<std::ptrdiff_t>(first);
-    stages.insert(stages.erase(at, at + static_cast<std::ptrdiff_t>(end - first)), all);
-  }
-
   /// The frame's slot, or the scene's own with the frame's positions.
   Slot& sent_slot(const FrameInput& frame) {
     if (frame.slot == nullptr) {
-      if (own_slot_ == nullptr) own_slot_ = new_slot();
+      if (own_slot_ == nullptr || !own_slot_->is_of(model_.slot_shape())) own_slot_ = nullptr, own_slot_ = new_slot();
       own_slot_->send_after(frame.stream, frame.updates);
       return *own_slot_;
     }
@@ -324,7 +208,7 @@ class SceneDetector final : public Detector {
     return *slot;
   }
 
-  const PartOf* const part_;
+  const ShardOf* const shard_;
   Exec exec_;
   SceneModel<Exec, Real> model_;
   const SceneSpec& spec_ = model_.spec();
@@ -333,7 +217,9 @@ class SceneDetector final : public Detector {
   ResidentPositions<Exec, Real> positions_;
   Pipeline<Exec, Real> pipeline_;
   RestPairs<Exec, Real> rest_pairs_;
-  size_t most_triangles_ = model_.topology().triangles.size();  ///< since lists were released
+  SceneEdits<Exec, Real> edits_;
+  AdvanceTries<Exec, Real> tries_;
+  FrameChecks checks_;
   std::shared_ptr<Slot> own_slot_;
   ListLengths told_;  ///< to scenes alike, or by them
 };

@@ -203,7 +203,7 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
   }
   PairFilter pair_filter() const {
     PairFilter filter = this->topology.filter();
-    if (share.is_part()) filter.own = {share.data(), this->boxes.data()};
+    if (share.is_shard()) filter.own = {share.data(), this->boxes.data()};
     return filter;
   }
 

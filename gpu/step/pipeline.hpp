@@ -107,7 +107,7 @@ class Pipeline {
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
     planner_.begin(needs, found().bounds);
     const WorkTime time(exec_.asks());
-    run_step(needs, boxes_static || !is_boxed || scene_.share.is_part());
+    run_step(needs, boxes_static || !is_boxed || scene_.share.is_shard());
     const double work = time.milliseconds();
     boxed_thickness_ = thickness;
     contacts_.finish();

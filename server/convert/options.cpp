@@ -236,7 +236,7 @@ void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec) try
 
 // The scene's own options are sound: unless the frame overrides the refused one, its accuracy is what does not fit.
 void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
-  check_options(scene, frame);
+  check_options_of_frame(scene, frame);
 } catch (const InvalidInput& e) {
   const bool is_own = (e.field() == "report" && frame.report) || (e.field() == "delta" && frame.delta) ||
                       e.field() == "advance" || e.field() == "ignore_separating" || e.field() == "start_fraction" ||

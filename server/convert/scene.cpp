@@ -70,7 +70,7 @@ std::vector<Device> parse_part_devices(const pb::SceneSpec& spec, const SceneDef
   constexpr ptrdiff_t kMaxPartsOnDevice = 4;
   const std::string field = "spec.part_devices";
   const auto parts = static_cast<size_t>(spec.part_devices_size());
-  if (parts > kMaxParts) throw_invalid(field, fmt::format("has {} parts, more than {}", parts, kMaxParts));
+  if (parts > kMaxShards) throw_invalid(field, fmt::format("has {} parts, more than {}", parts, kMaxShards));
   if (parts > 0 && !spec.device().empty())
     throw_invalid("spec.device",
                   fmt::format("is \"{}\", but {} says where the scene lives", shorten(spec.device(), 64), field));

@@ -82,7 +82,7 @@ def server_complaint(path, target):
     if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
         return "gRPC and protobuf begin at server/convert, except for server/refusals and server/auth/credentials"
     if target.startswith("gpu/") and target not in (*ENGINE_API, QUOTA):
-        return "the server knows the engine by gpu/detector.hpp and gpu/stencil.hpp, and its quotas by gpu/parted_quota.hpp"
+        return "the server knows the engine by gpu/detector.hpp and gpu/stencil.hpp, and its quotas by gpu/sharded_quota.hpp"
     if target.startswith("client/"):
         return "the server must not know the client"
     if room is None or not target.startswith("server/") or target in SERVER_COMMON:
@@ -109,7 +109,7 @@ COUNTED_OF_ENGINES = {f"gpu/engines/octree/{name}.hpp" for name in ("levels", "o
 # The specification of a scene, and the top.
 TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
 # What a scene in parts tells its caller's limits.
-QUOTA = "gpu/parted_quota.hpp"
+QUOTA = "gpu/sharded_quota.hpp"
 CONTACTS = "gpu/contact_set.hpp"
 UNDER_THE_ROOF = {"gpu/detector.cpp"}
 

@@ -5,9 +5,9 @@
 
 namespace collided {
 
-std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features, const PartOf* part) {
+std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features, const ShardOf* shard) {
   return with_real(spec.scalar, [&]<class Real>(Real) {
-    return make_cpu_detector_of<Real>(std::move(spec), std::move(features), part);
+    return make_cpu_detector_of<Real>(std::move(spec), std::move(features), shard);
   });
 }
 

@@ -22,9 +22,9 @@ void link_to(int device, int other) {
 
 }  // namespace
 
-std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features, const PartOf* part) {
+std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features, const ShardOf* shard) {
   return with_real(spec.scalar, [&]<class Real>(Real) {
-    return make_cuda_detector_of<Real>(std::move(spec), std::move(features), part);
+    return make_cuda_detector_of<Real>(std::move(spec), std::move(features), shard);
   });
 }
 

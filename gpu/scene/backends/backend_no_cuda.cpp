@@ -2,7 +2,7 @@
 
 namespace collided {
 
-std::unique_ptr<Detector> make_cuda_detector(SceneSpec, FeatureTables, const PartOf*) {
+std::unique_ptr<Detector> make_cuda_detector(SceneSpec, FeatureTables, const ShardOf*) {
   throw DeviceError("device: this build has no CUDA");
 }
 AnswerRoom::MakeBlock cuda_host_blocks(int) { throw DeviceError("device: this build has no CUDA"); }

@@ -3,16 +3,16 @@
 
 #include "gpu/contacts/answer_room.hpp"
 #include "gpu/detector.hpp"
-#include "gpu/scene/parts/meeting.hpp"
+#include "gpu/scene/shards/meeting.hpp"
 #include "gpu/tables/topology.hpp"
 
 namespace collided {
 
-/// `part`: the scene is a part of another; null: it is one.
-std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features, const PartOf* part = nullptr);
+/// `shard`: the scene is a shard of another; null: it is one.
+std::unique_ptr<Detector> make_cpu_detector(SceneSpec spec, FeatureTables features, const ShardOf* shard = nullptr);
 
 /// Throws DeviceError where there is no usable device, or the build has no CUDA.
-std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features, const PartOf* part = nullptr);
+std::unique_ptr<Detector> make_cuda_detector(SceneSpec spec, FeatureTables features, const ShardOf* shard = nullptr);
 
 /// What makes memory of the host that a backend brings contacts to.
 AnswerRoom::MakeBlock cpu_host_blocks();

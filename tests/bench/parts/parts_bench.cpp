@@ -40,7 +40,7 @@ struct Run {
   std::map<std::string, uint64_t> device_bytes;  ///< of each part, or all
 
   void add(FrameResult result, double wall);
-  void add_parts(const std::vector<PartFacts>& parts);
+  void add_parts(const std::vector<ShardFacts>& parts);
 };
 
 void Run::add(FrameResult result, double wall) {
@@ -64,10 +64,10 @@ void Run::add(FrameResult result, double wall) {
         set = {};
       },
       static_cast<PerKind<ContactSet>&>(result));
-  if (!result.parts.empty()) add_parts(result.parts);
+  if (!result.shards.empty()) add_parts(result.shards);
   last = std::move(result);
 }
-void Run::add_parts(const std::vector<PartFacts>& parts) {
+void Run::add_parts(const std::vector<ShardFacts>& parts) {
   part_ms.resize(parts.size());
   double sum = 0, most = 0;
   for (size_t k = 0; k < parts.size(); ++k) {
@@ -147,7 +147,7 @@ ordered_json report(const Run& run, const Run& one, const std::vector<Device>& d
                pairs = ordered_json::array();
   for (const Device& device : devices) names.push_back(to_string(device));
   for (const auto& ms : run.part_ms) part_ms.push_back(median_of(ms, steps));
-  for (const PartFacts& part : run.last.parts) shares.push_back(part.share), pairs.push_back(part.pairs);
+  for (const ShardFacts& part : run.last.shards) shares.push_back(part.share), pairs.push_back(part.pairs);
   const double predicted = StepCost::of(stages_of(one, steps)).in_parts(devices.size());
   ordered_json out = report(run, steps);
   out["compared_steps"] = steps.size();
@@ -215,7 +215,7 @@ bool run_all(Options& o) {
 void add_options(CLI::App& app, Options& o) {
   app.add_option("--backend", o.backend, "cpu or cuda")->check(CLI::IsMember({"cpu", "cuda"}))->capture_default_str();
   app.add_option("--parts", o.parts, "Numbers of parts; a run for each, after one without parts")
-      ->check(CLI::Range(size_t{1}, kMaxParts))
+      ->check(CLI::Range(size_t{1}, kMaxShards))
       ->capture_default_str();
   app.add_option("--devices", o.devices, "Ordinals of the devices that parts are on in turn; default: all")
       ->delimiter(',');

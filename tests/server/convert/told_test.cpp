@@ -53,7 +53,7 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
   result.replays = 1, result.allocations = 2, result.graph_launches = 3, result.step_milliseconds = 4;
   result.broad_phase = {Engine::kLbvh, EngineReason::kFaster, 5, 6, 7};
   result.reuse = {ListUse::kReused, ReuseReason::kFaster, 8, 9, 10, 11};
-  result.parts = {{0.5, 12, 13, 14}};
+  result.shards = {{0.5, 12, 13, 14}};
   result.input_resolution = result.any_contact = true;
   result.earliest_toi = 0.25;
   result.advanced = 0.5;

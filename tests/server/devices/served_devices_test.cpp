@@ -151,16 +151,16 @@ TEST_F(Placing, PartsShareTheBudgetOfTheirScene) {
   const Placement placed = devices.place(on_two);
   EXPECT_EQ(placed.quota, on_two.client);
   PartedBytes bytes(DeviceBytes::of_scene(60 * kMegabyte, placed.quota), placed.parts);
-  bytes.of_part(0)->take(20 * kMegabyte);
-  bytes.of_part(1)->take(30 * kMegabyte);
+  bytes.of_shard(0)->take(20 * kMegabyte);
+  bytes.of_shard(1)->take(30 * kMegabyte);
   bytes.take(5 * kMegabyte);
   EXPECT_EQ(devices.state()[0].held_bytes, 25 * kMegabyte) << "and what is the scene's as a whole";
   EXPECT_EQ(devices.state()[1].held_bytes, 30 * kMegabyte);
   EXPECT_EQ(on_two.client->held(), 55 * kMegabyte);
-  EXPECT_THROW(bytes.of_part(1)->take(6 * kMegabyte), LimitExceeded) << "the scene's";
+  EXPECT_THROW(bytes.of_shard(1)->take(6 * kMegabyte), LimitExceeded) << "the scene's";
   EXPECT_EQ(devices.state()[1].held_bytes, 30 * kMegabyte) << "a refused request is counted nowhere";
-  bytes.of_part(0)->give_back(20 * kMegabyte);
-  EXPECT_THROW(bytes.of_part(1)->take(21 * kMegabyte), LimitExceeded) << "the device's";
+  bytes.of_shard(0)->give_back(20 * kMegabyte);
+  EXPECT_THROW(bytes.of_shard(1)->take(21 * kMegabyte), LimitExceeded) << "the device's";
   EXPECT_EQ(on_two.client->held(), 35 * kMegabyte);
 }
 

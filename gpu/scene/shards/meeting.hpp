@@ -1,5 +1,5 @@
 #pragma once
-// Where the parts of a scene wait for each other: what they found becomes what the scene found, and a frame counts in
+// Where the shards of a scene wait for each other: what they found becomes what the scene found, and a frame counts in
 // all of them or in none.
 
 #include <algorithm>
@@ -15,13 +15,13 @@
 
 namespace collided {
 
-/// Another part has failed, whose error is the frame's.
-class PartFailed : public std::runtime_error {
+/// Another shard has failed, whose error is the frame's.
+class ShardFailed : public std::runtime_error {
  public:
-  PartFailed() : std::runtime_error("another part of the scene has failed") {}
+  ShardFailed() : std::runtime_error("another part of the scene has failed") {}
 };
 
-/// What parts have to know of each other.
+/// What shards have to know of each other.
 struct Found {
   bool any_contact = false;
   double earliest_toi = 1;
@@ -31,38 +31,38 @@ struct Found {
   }
 };
 
-/// Of the threads of so many parts, each of which comes to every meeting or fails.
+/// Of the threads of so many shards, each of which comes to every meeting or fails.
 class Meeting {
  public:
-  explicit Meeting(size_t parts) : parts_(parts) {}
+  explicit Meeting(size_t shards) : shards_(shards) {}
 
-  /// A frame begins; no part works on it yet.
+  /// A frame begins; no shard works on it yet.
   void begin() {
     error_ = nullptr;
     arrived_ = 0;
     next_ = {};
   }
 
-  /// Waits for all parts, asking meanwhile whether the frame goes on; what they found together. Throws PartFailed, what
-  /// the question throws.
+  /// Waits for all shards, asking meanwhile whether the frame goes on; what they found together. Throws ShardFailed,
+  /// what the question throws.
   Found meet(const Found& mine, Asks& asks) {
     std::unique_lock lock(mutex_);
-    if (error_) throw PartFailed();
+    if (error_) throw ShardFailed();
     next_ = next_.joined(mine);
-    if (++arrived_ == parts_) {
+    if (++arrived_ == shards_) {
       end_round();
       return all_;
     }
     const uint64_t round = round_;
     while (round_ == round) {
-      if (error_) throw PartFailed();
+      if (error_) throw ShardFailed();
       all_came_.wait_for(lock, Asks::kUsual);
       if (round_ == round && !error_) ask(lock, round, asks);
     }
-    return all_;  // the next round ends with this part
+    return all_;  // the next round ends with this shard
   }
 
-  /// A part fails with the exception in flight.
+  /// A shard fails with the exception in flight.
   void fail() noexcept {
     const std::lock_guard lock(mutex_);
     if (!error_) error_ = std::current_exception();
@@ -72,7 +72,7 @@ class Meeting {
     const std::lock_guard lock(mutex_);
     return error_ != nullptr;
   }
-  /// Of the part that failed first; null if none did.
+  /// Of the shard that failed first; null if none did.
   std::exception_ptr error() const {
     const std::lock_guard lock(mutex_);
     return error_;
@@ -101,7 +101,7 @@ class Meeting {
     }
   }
 
-  const size_t parts_;
+  const size_t shards_;
   mutable std::mutex mutex_;
   std::condition_variable all_came_;
   size_t arrived_ = 0;
@@ -110,11 +110,11 @@ class Meeting {
   std::exception_ptr error_;
 };
 
-/// How a scene that is a part of another knows of it.
-struct PartOf {
+/// How a scene that is a shard of another knows of it.
+struct ShardOf {
   Meeting& meeting;
   ShareRange share = {};  ///< of the next frame
-  /// Takes what the part answers, before the frame counts. Throws what the frame is refused with.
+  /// Takes what the shard answers, before the frame counts. Throws what the frame is refused with.
   std::function<void(FrameResult&, Asks&)> take_answer = {};
 };
 

@@ -1,4 +1,4 @@
-#include "gpu/scene/parts/parted_scene.hpp"
+#include "gpu/scene/shards/sharded_scene.hpp"
 
 #include <utility>
 
@@ -6,14 +6,14 @@
 #include "gpu/base/text.hpp"
 #include "gpu/contacts/answer_room.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
-#include "gpu/parted_quota.hpp"
 #include "gpu/scene/backends/backends.hpp"
-#include "gpu/scene/parts/balance.hpp"
-#include "gpu/scene/parts/crew.hpp"
-#include "gpu/scene/parts/meeting.hpp"
-#include "gpu/scene/parts/merged.hpp"
-#include "gpu/scene/parts/parted_slot.hpp"
-#include "gpu/scene/rules.hpp"
+#include "gpu/scene/frame_checks.hpp"
+#include "gpu/scene/shards/balance.hpp"
+#include "gpu/scene/shards/crew.hpp"
+#include "gpu/scene/shards/meeting.hpp"
+#include "gpu/scene/shards/merged.hpp"
+#include "gpu/scene/shards/sharded_slot.hpp"
+#include "gpu/sharded_quota.hpp"
 #include "gpu/step/contact_sets.hpp"
 
 namespace collided {
@@ -23,107 +23,108 @@ AnswerRoom::MakeBlock host_blocks(const Device& device) {
   return device.backend == Backend::kCuda ? cuda_host_blocks(device.ordinal) : cpu_host_blocks();
 }
 
-class PartedScene final : public Detector {
+class ShardedScene final : public Detector {
  public:
-  PartedScene(SceneSpec spec, FeatureTables features)
+  ShardedScene(SceneSpec spec, FeatureTables features)
       : spec_(std::move(spec)),
         room_(std::make_shared<AnswerRoom>(spec_.memory_quota, host_blocks(spec_.device))),
         balance_(spec_.part_devices.size()),
         meeting_(spec_.part_devices.size()),
-        links_(spec_.part_devices.size(), PartOf{meeting_}),
+        links_(spec_.part_devices.size(), ShardOf{meeting_}),
         results_(spec_.part_devices.size()),
         crew_(spec_.part_devices.size()) {
-    const SceneSpec of_part = spec_of_part();
+    const SceneSpec of_shard = spec_of_shard();
     for (size_t k = 0; k < links_.size(); ++k)
       links_[k].take_answer = [this, k](FrameResult& result, Asks& asks) { take_answer(k, result, asks); };
     for (size_t k = 0; k < links_.size(); ++k)
-      parts_.push_back(make_part(of_part, k + 1 < links_.size() ? features : std::move(features), k));
+      shards_.push_back(make_shard(of_shard, k + 1 < links_.size() ? features : std::move(features), k));
     forget_elements();
   }
-  ~PartedScene() override { room_->close(); }
+  ~ShardedScene() override { room_->close(); }
 
   FrameResult detect(const FrameInput& frame) override {
     const DefaultFloatEnvironment environment;
-    check_frame(spec_, frame);
+    const Report report = checks_.check(spec_, frame).settings.report;
+    if (frame.edit) checks_.forget();
     frame_ = &frame;
     meeting_.begin();
     for (size_t k = 0; k < links_.size(); ++k) links_[k].share = balance_.range(k);
-    const std::vector<FrameInput> inputs = inputs_of_parts(frame);
-    crew_.run([&](size_t k) { detect_part(k, inputs[k]); });
+    const std::vector<FrameInput> inputs = inputs_of_shards(frame);
+    crew_.run([&](size_t k) { detect_shard(k, inputs[k]); });
     if (meeting_.has_failed()) {
       forget_answers();
       std::rethrow_exception(meeting_.error());
     }
-    if (frame.edit) spec_ = spec_like(parts_.front()->spec());
-    FrameResult result = merged(frame);
+    if (frame.edit) spec_ = spec_like(shards_.front()->spec());
+    FrameResult result = merged(report);
     learn(result);
     forget_answers();
     return result;
   }
 
   void read_positions(const VertexSample& sample, std::span<std::byte> to) override {
-    parts_.front()->read_positions(sample, to);
+    shards_.front()->read_positions(sample, to);
   }
   std::shared_ptr<FrameSlot> make_slot() override {
     std::vector<std::shared_ptr<FrameSlot>> slots;
-    for (const auto& part : parts_) slots.push_back(part->make_slot());
-    return std::make_shared<PartedSlot>(std::move(slots));
+    for (const auto& shard : shards_) slots.push_back(shard->make_slot());
+    return std::make_shared<ShardedSlot>(std::move(slots));
   }
   std::vector<MemoryPart> memory() const override {
     std::vector<MemoryPart> all;
-    for (size_t k = 0; k < parts_.size(); ++k) add_memory(all, k, parts_[k]->memory());
+    for (size_t k = 0; k < shards_.size(); ++k) add_memory(all, k, shards_[k]->memory());
     if (room_->bytes() > 0) all.push_back({"answers", room_->bytes()});
     return all;
   }
-  /// Of the part that needs most.
+  /// Of the shard that needs most.
   ListLengths list_lengths() const override {
     ListLengths lengths;
-    for (const auto& part : parts_) lengths.include(part->list_lengths());
+    for (const auto& shard : shards_) lengths.include(shard->list_lengths());
     return lengths;
   }
   const SceneSpec& spec() const override { return spec_; }
-  const Topology& topology() const override { return parts_.front()->topology(); }
-  DeviceInfo device() const override { return parts_.front()->device(); }
+  const Topology& topology() const override { return shards_.front()->topology(); }
+  DeviceInfo device() const override { return shards_.front()->device(); }
 
  private:
   /// Threads of the host are shared out.
-  SceneSpec spec_of_part() const {
+  SceneSpec spec_of_shard() const {
     SceneSpec spec = spec_;
     spec.part_devices = {};
     spec.known = nullptr;      // which is of whole scenes
-    spec.reuse = Reuse::kOff;  // lists hold for the pairs that were a part's own when they were made
+    spec.reuse = Reuse::kOff;  // lists hold for the pairs that were a shard's own when they were made
     const int threads = static_cast<int>(CpuLoops(spec.threads).threads());
     spec.threads = std::max(1, threads / static_cast<int>(links_.size()));
     return spec;
   }
-  /// As the scene's own, from that of its parts.
-  SceneSpec spec_like(SceneSpec of_part) const {
-    of_part.part_devices = spec_.part_devices;
-    of_part.reuse = spec_.reuse;
-    of_part.threads = spec_.threads;
-    of_part.memory_quota = spec_.memory_quota;
-    return of_part;
+  /// As the scene's own, from that of its shards.
+  SceneSpec spec_like(SceneSpec of_shard) const {
+    of_shard.part_devices = spec_.part_devices;
+    of_shard.reuse = spec_.reuse;
+    of_shard.threads = spec_.threads;
+    of_shard.memory_quota = spec_.memory_quota;
+    return of_shard;
   }
-  std::unique_ptr<Detector> make_part(const SceneSpec& spec, FeatureTables features, size_t k) {
+  std::unique_ptr<Detector> make_shard(const SceneSpec& spec, FeatureTables features, size_t k) {
     SceneSpec here = spec;
     here.device = spec_.part_devices[k];
-    if (const auto* apart = dynamic_cast<const PartedQuota*>(spec.memory_quota.get()))
-      here.memory_quota = apart->of_part(k);
+    if (const auto* apart = dynamic_cast<const ShardedQuota*>(spec.memory_quota.get()))
+      here.memory_quota = apart->of_shard(k);
     if (here.device.backend == Backend::kCpu)
       return make_cpu_detector(std::move(here), std::move(features), &links_[k]);
     return make_cuda_detector(std::move(here), std::move(features), &links_[k]);
   }
-  void forget_elements() { spec_ = spec_like(parts_.front()->spec()); }
+  void forget_elements() { spec_ = spec_like(shards_.front()->spec()); }
 
-  std::vector<FrameInput> inputs_of_parts(const FrameInput& frame) {
+  std::vector<FrameInput> inputs_of_shards(const FrameInput& frame) {
     FrameInput input = frame;
     input.bytes_beside_contact = 0;  // which the merged contacts have
-    std::vector<FrameInput> inputs(parts_.size(), input);
-    const PartedSlot* slot = dynamic_cast<const PartedSlot*>(frame.slot.get());
+    std::vector<FrameInput> inputs(shards_.size(), input);
+    const ShardedSlot* slot = dynamic_cast<const ShardedSlot*>(frame.slot.get());
     if (frame.slot != nullptr && slot == nullptr)
       throw InvalidInput("slot", "slot is of another scene than the frame, or of this one before an edit");
-    for (size_t k = 0; k < parts_.size(); ++k) {
-      if (slot != nullptr) inputs[k].slot = slot->of_part(k);
+    for (size_t k = 0; k < shards_.size(); ++k) {
+      if (slot != nullptr) inputs[k].slot = slot->of_shard(k);
       if (k > 0) inputs[k].progress = nullptr;
       inputs[k].cancelled = [this, k, asks = frame.cancelled] {
         return meeting_.has_failed() || (k == 0 && asks && asks());
@@ -131,9 +132,9 @@ class PartedScene final : public Detector {
     }
     return inputs;
   }
-  void detect_part(size_t k, const FrameInput& input) {
+  void detect_shard(size_t k, const FrameInput& input) {
     try {
-      parts_[k]->detect(input);
+      shards_[k]->detect(input);
     } catch (...) {
       meeting_.fail();
     }
@@ -150,11 +151,10 @@ class PartedScene final : public Detector {
     if (k == 0) results_[0].stages.push_back({"merge", time.milliseconds()});
   }
 
-  FrameResult merged(const FrameInput& frame) {
-    const Report report = settings_of(spec_, frame).report;
+  FrameResult merged(Report report) {
     FrameResult result = merged_facts(results_, report);
-    for (size_t k = 0; k < parts_.size(); ++k)
-      result.parts.push_back(
+    for (size_t k = 0; k < shards_.size(); ++k)
+      result.shards.push_back(
           {balance_.size(k), results_[k].step_milliseconds, results_[k].counts.pairs, count_contacts(results_[k])});
     contacts_.move_to(result);
     if (report == Report::kEarliestOnly) keep_earliest(loops_, result);
@@ -162,7 +162,7 @@ class PartedScene final : public Detector {
   }
 
   void forget_answers() {
-    for (FrameResult& part : results_) part = {};
+    for (FrameResult& shard : results_) shard = {};
     contacts_.clear();
   }
 
@@ -170,20 +170,21 @@ class PartedScene final : public Detector {
   void learn(const FrameResult& result) {
     std::vector<double> times;
     bool is_clean = result.allocations == 0 && result.replays == 0;
-    for (const FrameResult& part : results_) {
-      times.push_back(part.step_milliseconds);
-      is_clean = is_clean && part.broad_phase.reason != EngineReason::kTrial;
+    for (const FrameResult& shard : results_) {
+      times.push_back(shard.step_milliseconds);
+      is_clean = is_clean && shard.broad_phase.reason != EngineReason::kTrial;
     }
     if (is_clean) balance_.observe(times);
   }
 
   SceneSpec spec_;
+  FrameChecks checks_;
   const std::shared_ptr<AnswerRoom> room_;
   ShareBalance balance_;
   Meeting meeting_;
-  std::vector<PartOf> links_;
-  std::vector<std::unique_ptr<Detector>> parts_;
-  std::vector<FrameResult> results_;  ///< of each part
+  std::vector<ShardOf> links_;
+  std::vector<std::unique_ptr<Detector>> shards_;
+  std::vector<FrameResult> results_;  ///< of each shard
   MergedContacts contacts_{results_};
   const FrameInput* frame_ = nullptr;  ///< in work
   CpuLoops loops_{1};
@@ -192,14 +193,14 @@ class PartedScene final : public Detector {
 
 }  // namespace
 
-std::unique_ptr<Detector> make_parted_scene(SceneSpec spec, FeatureTables features) {
+std::unique_ptr<Detector> make_sharded_scene(SceneSpec spec, FeatureTables features) {
   spec.device = device_of(spec);
   if (spec.device.backend == Backend::kCuda) link_cuda_devices(spec.part_devices);
-  return std::make_unique<PartedScene>(std::move(spec), std::move(features));
+  return std::make_unique<ShardedScene>(std::move(spec), std::move(features));
 }
 
-void add_memory(std::vector<MemoryPart>& all, size_t k, const std::vector<MemoryPart>& of_part) {
-  for (const MemoryPart& part : of_part) all.push_back({"parts[" + text(k) + "]." + part.part, part.bytes});
+void add_memory(std::vector<MemoryPart>& all, size_t k, const std::vector<MemoryPart>& of_shard) {
+  for (const MemoryPart& part : of_shard) all.push_back({"parts[" + text(k) + "]." + part.part, part.bytes});
 }
 
 }  // namespace collided

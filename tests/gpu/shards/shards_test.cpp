@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "tests/gpu/judged_case.hpp"
-#include "tests/gpu/parts/one_and_parts.hpp"
+#include "tests/gpu/shards/one_and_shards.hpp"
 #include "tests/gpu/scene/living_scene.hpp"
 #include "tests/gpu/step/random_stream.hpp"
 #include "tests/support/adversarial.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// Positions of one frame on their way to all parts of a scene.
+// Positions of one frame on their way to all shards of a scene.
 
 #include <memory>
 #include <span>
@@ -10,19 +10,19 @@
 
 namespace collided {
 
-/// Each part's device reads the bytes itself: from memory of the host through its own link, from memory of a device by
+/// Each shard's device reads the bytes itself: from memory of the host through its own link, from memory of a device by
 /// a copy between devices.
-class PartedSlot final : public FrameSlot {
+class ShardedSlot final : public FrameSlot {
  public:
-  explicit PartedSlot(std::vector<std::shared_ptr<FrameSlot>> slots) : slots_(std::move(slots)) {}
-  PartedSlot(const PartedSlot&) = delete;
-  PartedSlot& operator=(const PartedSlot&) = delete;
+  explicit ShardedSlot(std::vector<std::shared_ptr<FrameSlot>> slots) : slots_(std::move(slots)) {}
+  ShardedSlot(const ShardedSlot&) = delete;
+  ShardedSlot& operator=(const ShardedSlot&) = delete;
   /// The first one's memory goes last: others may still read it.
-  ~PartedSlot() override {
+  ~ShardedSlot() override {
     while (!slots_.empty()) slots_.pop_back();
   }
 
-  const std::shared_ptr<FrameSlot>& of_part(size_t k) const { return slots_[k]; }
+  const std::shared_ptr<FrameSlot>& of_shard(size_t k) const { return slots_[k]; }
 
   std::span<std::byte> room(uint64_t bytes) override {
     if (bytes > room_.size())
@@ -34,7 +34,7 @@ class PartedSlot final : public FrameSlot {
   }
 
  private:
-  std::vector<std::shared_ptr<FrameSlot>> slots_;  ///< of each part
+  std::vector<std::shared_ptr<FrameSlot>> slots_;  ///< of each shard
   std::span<std::byte> room_;                      ///< of the first one
 };
 

@@ -6,8 +6,8 @@
 #include <random>
 #include <thread>
 
-#include "gpu/scene/parts/balance.hpp"
-#include "gpu/scene/parts/meeting.hpp"
+#include "gpu/scene/shards/balance.hpp"
+#include "gpu/scene/shards/meeting.hpp"
 
 namespace collided {
 namespace {
@@ -17,7 +17,7 @@ constexpr Box<float> kBounds{{-3, 0, 1}, {13, 5, 9}};
 /// The shares of so many parts, in blocks of one level.
 std::vector<Share> shares(const ShareBalance& balance, int level) {
   std::vector<Share> all;
-  for (size_t k = 0; k < balance.parts(); ++k) all.push_back({balance.range(k), grid_over(kBounds, 0, 0), level});
+  for (size_t k = 0; k < balance.shards(); ++k) all.push_back({balance.range(k), grid_over(kBounds, 0, 0), level});
   return all;
 }
 /// Up to `largest` a side.
@@ -182,7 +182,7 @@ TEST(Meeting, FailsInAllIfOneFails) {
       Asks asks;
       try {
         meeting.meet({}, asks);
-      } catch (const PartFailed&) {
+      } catch (const ShardFailed&) {
         has_failed = true;
       }
     });
@@ -205,7 +205,7 @@ TEST(Meeting, IsGivenUpWhileAPartWaits) {
   asks.begin([] { return true; });
   EXPECT_THROW(meeting.meet({}, asks), Cancelled);
   Asks others;
-  EXPECT_THROW(meeting.meet({}, others), PartFailed);
+  EXPECT_THROW(meeting.meet({}, others), ShardFailed);
 }
 
 }  // namespace

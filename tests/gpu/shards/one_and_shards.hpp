@@ -41,7 +41,7 @@ inline void expect_same_frame(const FrameResult& expected, const FrameResult& go
   if (report != Report::kAnyHit) expect_same_work(expected.counts, got.counts, report);
   uint64_t pairs = 0, contacts = 0;
   double shares = 0;
-  for (const PartFacts& part : got.parts) pairs += part.pairs, contacts += part.contacts, shares += part.share;
+  for (const ShardFacts& part : got.shards) pairs += part.pairs, contacts += part.contacts, shares += part.share;
   EXPECT_EQ(pairs, got.counts.pairs);
   EXPECT_DOUBLE_EQ(shares, 1);
   if (report == Report::kAll) {

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "tests/gpu/counted_quota.hpp"
-#include "tests/gpu/parts/one_and_parts.hpp"
+#include "tests/gpu/shards/one_and_shards.hpp"
 #include "tests/gpu/positions/owned_updates.hpp"
 #include "tests/gpu/refused_field.hpp"
 #include "tests/support/adversarial.hpp"
@@ -151,7 +151,7 @@ TEST_F(PartsState, WhatDoesNotGoWithPartsIsNamed) {
   EXPECT_EQ("", field([](SceneSpec&) {}));
   EXPECT_EQ("part_devices", field([](SceneSpec& spec) { spec.worlds = 2; }));
   EXPECT_EQ("reuse", field([](SceneSpec& spec) { spec.reuse = Reuse::kOn; }));
-  EXPECT_EQ("part_devices", field([](SceneSpec& spec) { spec.part_devices.assign(kMaxParts + 1, spec.device); }));
+  EXPECT_EQ("part_devices", field([](SceneSpec& spec) { spec.part_devices.assign(kMaxShards + 1, spec.device); }));
   EXPECT_EQ("part_devices[1]", field([](SceneSpec& spec) {
               spec.part_devices[1].backend = kBackend == Backend::kCpu ? Backend::kCuda : Backend::kCpu;
             }));

@@ -1,5 +1,5 @@
 #pragma once
-// A thread for each part of a scene; the first part's is the caller's own.
+// A thread for each shard of a scene; the first shard's is the caller's own.
 
 #include <condition_variable>
 #include <functional>

@@ -1,4 +1,4 @@
-#include "gpu/scene/parts/merged.hpp"
+#include "gpu/scene/shards/merged.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,16 +14,16 @@ constexpr uint64_t kAlignment = 64;
 
 uint64_t key_at(const ContactSet& set, size_t i) { return pack_ids(set.elements[i][0], set.elements[i][1]); }
 
-const ContactSet& set_of(const FrameResult& part, ContactKind kind) {
-  return value_of(static_cast<const PerKind<ContactSet>&>(part), kind);
+const ContactSet& set_of(const FrameResult& shard, ContactKind kind) {
+  return value_of(static_cast<const PerKind<ContactSet>&>(shard), kind);
 }
 
-/// A stage that runs several times counts with its sum; of several parts, with the slowest one's.
-std::vector<StageTime> slowest_stages(const std::vector<FrameResult>& parts) {
+/// A stage that runs several times counts with its sum; of several shards, with the slowest one's.
+std::vector<StageTime> slowest_stages(const std::vector<FrameResult>& shards) {
   std::vector<StageTime> all;
-  for (const FrameResult& part : parts) {
+  for (const FrameResult& shard : shards) {
     std::map<std::string, double> sums;
-    for (const StageTime& stage : part.stages) {
+    for (const StageTime& stage : shard.stages) {
       sums[stage.stage] += stage.milliseconds;
       const auto is_it = [&](const StageTime& known) { return known.stage == stage.stage; };
       if (std::none_of(all.begin(), all.end(), is_it)) all.push_back({stage.stage, 0});
@@ -54,13 +54,13 @@ void MergedContacts::take(AnswerRoom& room, uint64_t bytes_beside_contact) {
   PerKind<FieldSet> fields;
   for_each_kind(
       [&](ContactKind kind, uint64_t& count, FieldSet& present) {
-        for (const FrameResult& part : parts_) {
-          count += set_of(part, kind).size();
+        for (const FrameResult& shard : shards_) {
+          count += set_of(shard, kind).size();
           for_each_field(
               [&](ContactField field, const auto& column) {
                 if (!column.empty()) present = present.with(field);
               },
-              set_of(part, kind));
+              set_of(shard, kind));
         }
       },
       counts, fields);
@@ -90,24 +90,24 @@ void MergedContacts::take(AnswerRoom& room, uint64_t bytes_beside_contact) {
   });
 }
 
-void MergedContacts::place(size_t part) const {
-  for_each_kind([&](ContactKind kind, ContactSet to) { place(part, kind, to); }, contacts_);
+void MergedContacts::place(size_t shard) const {
+  for_each_kind([&](ContactKind kind, ContactSet to) { place(shard, kind, to); }, contacts_);
 }
 
-/// A contact's place is how many of each part come before it.
-void MergedContacts::place(size_t part, ContactKind kind, ContactSet& to) const {
+/// A contact's place is how many of each shard come before it.
+void MergedContacts::place(size_t shard, ContactKind kind, ContactSet& to) const {
   constexpr size_t kAtATime = 1024;
-  const ContactSet& own = set_of(parts_[part], kind);
-  std::vector<size_t> before(parts_.size());
+  const ContactSet& own = set_of(shards_[shard], kind);
+  std::vector<size_t> before(shards_.size());
   std::array<size_t, kAtATime> places;
   for (size_t first = 0; first < own.size(); first += kAtATime) {
     const size_t end = std::min(own.size(), first + kAtATime);
     for (size_t i = first; i < end; ++i) {
       const uint64_t key = key_at(own, i);
       size_t place = i;
-      for (size_t other = 0; other < parts_.size(); ++other) {
-        if (other == part) continue;
-        const ContactSet& set = set_of(parts_[other], kind);
+      for (size_t other = 0; other < shards_.size(); ++other) {
+        if (other == shard) continue;
+        const ContactSet& set = set_of(shards_[other], kind);
         while (before[other] < set.size() && key_at(set, before[other]) < key) ++before[other];
         place += before[other];
       }
@@ -127,25 +127,25 @@ void MergedContacts::move_to(FrameResult& result) {
   clear();
 }
 
-FrameResult merged_facts(const std::vector<FrameResult>& parts, Report report) {
-  const FrameResult& first = parts.front();
+FrameResult merged_facts(const std::vector<FrameResult>& shards, Report report) {
+  const FrameResult& first = shards.front();
   FrameResult all;
   all.broad_phase = first.broad_phase;
   all.reuse = first.reuse;
   all.advanced = first.advanced;  // which they agreed on
   all.unused_options = first.unused_options;
-  all.stages = slowest_stages(parts);
-  for (const FrameResult& part : parts) {
-    add(all.counts, part.counts);
-    all.replays += part.replays, all.allocations += part.allocations, all.graph_launches += part.graph_launches;
-    all.step_milliseconds = std::max(all.step_milliseconds, part.step_milliseconds);
-    all.earliest_toi = std::min(all.earliest_toi, part.earliest_toi);
-    all.any_contact |= part.any_contact;
-    all.input_resolution |= part.input_resolution;
+  all.stages = slowest_stages(shards);
+  for (const FrameResult& shard : shards) {
+    add(all.counts, shard.counts);
+    all.replays += shard.replays, all.allocations += shard.allocations, all.graph_launches += shard.graph_launches;
+    all.step_milliseconds = std::max(all.step_milliseconds, shard.step_milliseconds);
+    all.earliest_toi = std::min(all.earliest_toi, shard.earliest_toi);
+    all.any_contact |= shard.any_contact;
+    all.input_resolution |= shard.input_resolution;
   }
-  for (const FrameResult& part : parts)  // of those that are later than another part's nobody asks
-    if (report != Report::kEarliestOnly || part.earliest_toi == all.earliest_toi)
-      add(all.counts.contacts, part.counts.contacts);
+  for (const FrameResult& shard : shards)  // of those that are later than another shard's nobody asks
+    if (report != Report::kEarliestOnly || shard.earliest_toi == all.earliest_toi)
+      add(all.counts.contacts, shard.counts.contacts);
   return all;
 }
 

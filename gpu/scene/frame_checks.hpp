@@ -1,0 +1,52 @@
+#pragma once
+// Options of frames, checked once: a frame that changes none of them costs a comparison.
+
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "gpu/scene/rules.hpp"
+#include "gpu/state/settings.hpp"
+
+namespace collided {
+
+/// What follows from options that the scene can have.
+struct CheckedFrame {
+  FrameSettings settings;
+  std::vector<std::string> unused;  ///< options of the scene, as unused_options() names them
+};
+
+/// All that check_frame() looks at.
+inline auto options_of(const FrameInput& frame) {
+  const ContactRoom& room = frame.room;
+  return std::tuple(frame.mode, frame.accuracy, frame.delta, frame.report, frame.ignore_separating, frame.advance,
+                    frame.trial, frame.start_fraction, frame.edit != nullptr, frame.slot != nullptr,
+                    frame.stream != nullptr, room.memory.empty(),
+                    reinterpret_cast<uintptr_t>(room.memory.data()) % ContactRoom::kAlignment);
+}
+
+/// Of one scene.
+class FrameChecks {
+ public:
+  /// `spec`: of the scene, the same in each call until forget(). Throws what check_frame() throws.
+  const CheckedFrame& check(const SceneSpec& spec, const FrameInput& frame) {
+    const Options options = options_of(frame);
+    if (last_ == options) return checked_;
+    last_.reset();
+    check_frame(spec, frame);
+    checked_ = {settings_of(spec, frame), unused_options(spec, frame)};
+    last_ = options;
+    return checked_;
+  }
+  /// The scene was edited.
+  void forget() { last_.reset(); }
+
+ private:
+  using Options = decltype(options_of(FrameInput{}));
+
+  std::optional<Options> last_;  ///< that passed
+  CheckedFrame checked_{};
+};
+
+}  // namespace collided

@@ -1,0 +1,18 @@
+#pragma once
+// Stages of a frame that are told as one.
+
+#include <vector>
+
+#include "gpu/types.hpp"
+
+namespace collided {
+
+/// Stages [first, end) become one.
+inline void make_one_stage(std::vector<StageTime>& stages, size_t first, size_t end, const char* name) {
+  StageTime all{name, 0};
+  for (size_t i = first; i < end; ++i) all.milliseconds += stages[i].milliseconds;
+  const auto at = stages.begin() + static_cast<std::ptrdiff_t>(first);
+  stages.insert(stages.erase(at, at + static_cast<std::ptrdiff_t>(end - first)), all);
+}
+
+}  // namespace collided
