@@ -162,8 +162,8 @@ void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals, Superv
   daemon.stop();
 }
 
-// Before the start, which takes as long. Clients that start a private daemon look for "compiling the kernels" in its
-// log, and then wait longer, too.
+// Must come before the start, which takes as long. Clients that start a private daemon look for "compiling the kernels"
+// in its log, and then wait longer, too.
 void announce_compilation(const Config& config, Supervisor& supervisor) {
   for (const auto& info : collided::server::chosen_devices(config)) {
     if (!info.needs_compilation) continue;

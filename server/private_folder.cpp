@@ -34,7 +34,7 @@ void check_standard_input() {
   throw ConfigError("--private needs a pipe, a socket or a terminal as standard input: the daemon ends when it closes");
 }
 
-// In an address ',' separates, and '%', '?' and '#' have a meaning of their own.
+// Returns true if a path means the same in an address, where ',', '%', '?' and '#' are special.
 bool is_plain(const std::string& path) {
   return std::ranges::all_of(path, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
@@ -53,7 +53,7 @@ std::string make_folder() {
   return "no folder for sockets can be made in $TMPDIR or /tmp: " + std::string(strerror(errno));
 }
 
-// Waits until the other end of `daemon` is gone, which is true, or that of `input`; no longer than the time.
+// Waits for the other end of `daemon` or `input` to close. Returns true if that of `daemon` has.
 bool wait_until_gone(int daemon, int input, int milliseconds) {
   std::array<pollfd, 2> ends{{{daemon, 0, 0}, {input, POLLRDHUP, 0}}};
   while (poll(ends.data(), ends.size(), milliseconds) < 0 && errno == EINTR) {

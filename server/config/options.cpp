@@ -18,14 +18,14 @@ namespace {
 
 constexpr int kBadConfig = 2;
 
-// With those of all groups.
+// Visits all options, also those of groups.
 void for_each_option(CLI::App& app, const std::function<void(CLI::Option&)>& visit) {
   for (CLI::Option* option : app.get_options()) visit(*option);
   for (CLI::App* group : app.get_subcommands([](CLI::App*) { return true; })) for_each_option(*group, visit);
 }
 
-// Where the flag stands on the command line does not matter: values of options are stored after all flags have been
-// seen.
+// The flag acts as soon as it is parsed. CLI11 reads variables and stores the values of options only afterwards, so
+// that the flag may stand anywhere on the command line.
 void add_private_flag(CLI::App& app, Config& config, Switches& switches) {
   const auto make_private = [&] {
     switches.is_private = true;

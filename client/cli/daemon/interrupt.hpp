@@ -16,8 +16,8 @@ struct Interrupted : std::runtime_error {
   int signal_number;
 };
 
-/// From now on an interrupt ends the daemon and collidectl. `input` and `output` are the daemon's, which ends when the
-/// first closes, and is gone with its files when the second has closed.
+/// From now on an interrupt ends the daemon and collidectl. The daemon ends when its `input` closes. Its `output`
+/// closes once the daemon and its files are gone.
 void clean_up_on_interrupt(pid_t daemon, int input, int output);
 /// The daemon has been stopped: there is nothing left to clean up.
 void no_clean_up_on_interrupt() noexcept;

@@ -56,7 +56,7 @@ std::vector<std::string> command_line(const fs::path& program, const DaemonOptio
   return words;
 }
 
-/// What follows `before` on its line, up to one of `ends`; empty if it is not there.
+/// Returns the text between `before` and the first of `ends`; empty if `before` is missing.
 std::string text_after(const std::string& text, std::string_view before, const char* ends = "\n") {
   const size_t at = text.find(before);
   if (at == std::string::npos) return "";
@@ -64,8 +64,8 @@ std::string text_after(const std::string& text, std::string_view before, const c
   return text.substr(begin, text.find_first_of(ends, begin) - begin);
 }
 
-/// The last lines of a daemon's log in one, after ": "; empty if there are none. The advice to run it with --help is
-/// left out: nobody typed its command line.
+/// Returns the last lines of a daemon's log in one, after ": "; empty if there are none. It leaves out the advice to
+/// run the daemon with --help, since nobody typed its command line.
 std::string last_lines(const std::string& log) {
   constexpr size_t kMaxLines = 3;
   std::istringstream in(log);

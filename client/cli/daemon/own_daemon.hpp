@@ -26,7 +26,7 @@ class OwnDaemon {
   explicit OwnDaemon(const DaemonOptions& options);
   OwnDaemon(const OwnDaemon&) = delete;
   OwnDaemon& operator=(const OwnDaemon&) = delete;
-  /// Has the daemon end, with SIGKILL if that takes long.
+  /// Ends the daemon, with SIGKILL if that takes long.
   ~OwnDaemon();
   std::string address() const;
   /// host:port if it was asked for, else empty.

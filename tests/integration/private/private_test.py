@@ -271,7 +271,7 @@ class Ends(Case):
                 self.expect_nothing_left()
 
     def test_by_signals_to_its_whole_group(self):
-        """Which the tidy process is not in; nor is it in the parent's, which the terminal interrupts."""
+        """The tidy process is not in the group. The daemon is not in the parent's, which the terminal interrupts."""
         daemon = self.start()
         daemon.ready()
         self.assertEqual(os.getpgid(daemon.process.pid), daemon.process.pid)

@@ -18,7 +18,7 @@ TEST(PrivateConfig, ItsClientMayUseEverything) {
   ASSERT_TRUE(parsed.run) << parsed.text;
   EXPECT_TRUE(parsed.is_private);
   EXPECT_FALSE(parse({}).is_private);
-  // What a user can set at most.
+  // The highest values that options accept.
   const auto most = parse({"--max-message-mb", "2047", "--max-scenes-per-client", "1000000", "--max-streams-per-client",
                            "1000000", "--max-device-mb-per-client", "16777216", "--max-frame-seconds", "1000000",
                            "--max-frames-per-second", "1000000000"});

@@ -58,7 +58,7 @@ class OwnDaemon:
 
     @property
     def pid(self) -> int:
-        """Of the process group that the daemon runs in; 0 if none runs, or if it is the parent's of a forked process."""
+        """The process group that the daemon runs in; 0 if none runs, and in a forked process, whose parent has the daemon."""
         return self._process.pid if self._process is not None and self._process in _running else 0
 
     def stop(self) -> None:
@@ -83,7 +83,7 @@ class OwnDaemon:
 
 
 def _wait_until_ready(process: subprocess.Popen[bytes], program: str) -> str:
-    """Returns the daemon's address. Nobody reads what it says later, and it waits for no reader."""
+    """Returns the daemon's address. Its log is not read any further: the daemon waits for no reader."""
     assert process.stdout is not None
     start, said, patience = time.monotonic(), "", _READY_SECONDS
     with selectors.DefaultSelector() as output:
@@ -100,8 +100,8 @@ def _wait_until_ready(process: subprocess.Popen[bytes], program: str) -> str:
 
 
 def _failure(program: str, said: str) -> Exception:
-    """With the end of the daemon's log as one line, as collidectl has it. The advice to run it with --help is left out: nobody
-    typed its command line."""
+    """Returns an error with the last lines of the daemon's log. It leaves out the advice to run the daemon with --help, since
+    nobody typed its command line."""
     if re.search("not expected: .*--private", said):
         return FailedPrecondition(f"a private daemon must be of release 0.2.0 or later, and {program} is older")
     last = [line for line in said.splitlines() if line and not line.startswith("Run with --help")][-_SAID_LINES:]
