@@ -64,6 +64,7 @@ bool wait_until_gone(int daemon, int input, int milliseconds) {
 // Makes the folder as well: the daemon may be killed at any time, and would leave one that it has just made.
 [[noreturn]] void tidy_up(int daemon, pid_t pid, double seconds_to_stop) {
   prctl(PR_SET_NAME, "collided-tidy");
+  // Whoever ends the terminal's or the daemon's processes ends the daemon, which this one must outlive.
   setsid();
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) signal(number, SIG_IGN);
   const std::string folder = make_folder();

@@ -207,6 +207,15 @@ class Refused(Case):
         with open(__file__, encoding="utf-8") as file:
             self.refused(message, stdin=file)
 
+    def test_a_place_where_no_folder_can_be_made(self):
+        script = 'mount --bind /tmp /tmp && mount -o remount,ro,bind /tmp || exit 77; exec "$0" "$@"'
+        done = subprocess.run(["unshare", "--mount", "sh", "-c", script, PROGRAM, *OPTIONS], input="", capture_output=True, text=True,
+                              env={**os.environ, "TMPDIR": str(self.place)}, timeout=SECONDS)
+        if done.returncode == 77 or "unshare" in done.stderr:
+            self.skipTest(f"nothing can be mounted here: {done.stderr}")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("collided: no folder for sockets can be made in $TMPDIR or /tmp: Read-only file system", done.stderr)
+
     def test_nothing_is_made_for_a_check(self):
         daemon = self.start("--check")
         self.assertEqual(daemon.end(), 0)
