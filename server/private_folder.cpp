@@ -69,6 +69,7 @@ bool wait_until_gone(int daemon, int input, int milliseconds) {
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) signal(number, SIG_IGN);
   const std::string folder = make_folder();
   send(daemon, folder.data(), folder.size(), MSG_NOSIGNAL);
+  if (!folder.starts_with('/')) _exit(1);
   if (!wait_until_gone(daemon, STDIN_FILENO, kForever)) {
     kill(pid, SIGTERM);
     if (!wait_until_gone(daemon, -1, static_cast<int>(seconds_to_stop * 1000))) {
@@ -77,7 +78,7 @@ bool wait_until_gone(int daemon, int input, int milliseconds) {
     }
   }
   std::error_code error;
-  if (folder.starts_with('/')) fs::remove_all(folder, error);
+  fs::remove_all(folder, error);
   _exit(0);
 }
 
