@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "server/config/host_limits.hpp"
 #include "server/config/memory_limits.hpp"
 #include "server/ops/log.hpp"
 #include "server/transport/grpc/call_watch.hpp"
@@ -59,6 +60,10 @@ std::vector<DeviceGauges> gauges_of(const std::vector<DeviceState>& devices) {
 }
 
 LocalOptions local_options(const Config& config) {
+  if (!overcommits_memory())
+    throw std::runtime_error(
+        "cannot serve --local-socket: vm.overcommit_memory is 2, but must be 0 or 1 for memory that "
+        "clients share");
   LocalOptions options{config.local_socket, config.allowed_uids, config.cuda_ipc, {}};
   options.timeouts.take_seconds = config.keepalive_timeout_seconds;
   return options;

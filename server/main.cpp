@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -22,6 +23,7 @@
 #include "server/auth/tls_files.hpp"
 #include "server/config/config.hpp"
 #include "server/config/memory_limits.hpp"
+#include "server/config/private.hpp"
 #include "server/config/reload.hpp"
 #include "server/config/rules.hpp"
 #include "server/daemon.hpp"
@@ -32,6 +34,7 @@
 #include "server/ops/log.hpp"
 #include "server/ops/supervisor/ready_file.hpp"
 #include "server/ops/supervisor/supervisor.hpp"
+#include "server/private_folder.hpp"
 #include "server/start_limits.hpp"
 #include "server/start_watch.hpp"
 #include "server/usable_memory.hpp"
@@ -159,8 +162,8 @@ void drain(Daemon& daemon, double grace_seconds, const sigset_t& signals, Superv
   daemon.stop();
 }
 
-// Before the start, which takes as long. Clients that start a daemon of their own look for "compiling the kernels" in
-// its log, and then wait longer, too.
+// Must come before the start, which takes as long. Clients that start a private daemon look for "compiling the kernels"
+// in its log, and then wait longer, too.
 void announce_compilation(const Config& config, Supervisor& supervisor) {
   for (const auto& info : collided::server::chosen_devices(config)) {
     if (!info.needs_compilation) continue;
@@ -172,6 +175,24 @@ void announce_compilation(const Config& config, Supervisor& supervisor) {
     supervisor.starting(kSecondsToCompile, "compiles the kernels for " + id);
   }
   collided::server::flush_log();
+}
+
+void print(const std::string& text) {
+  if (std::fputs(text.c_str(), stdout) == EOF || std::fflush(stdout) != 0)
+    throw std::runtime_error("standard output cannot be written");
+}
+
+void set_up_private(Config& config) {
+  unsetenv("NOTIFY_SOCKET");  // the service manager is the parent's
+  const double seconds_to_stop = config.grace_seconds + kSecondsToStop + kSecondsToExit;
+  add_private_sockets(config, collided::server::make_private_folder(seconds_to_stop));
+}
+
+// Tells the parent of a private daemon where it serves.
+void announce(const std::vector<std::string>& addresses) {
+  std::string line;
+  for (const auto& address : addresses) line += (line.empty() ? "ready " : ",") + address;
+  print(line + "\n");
 }
 
 int serve(const Origin& origin, Config config, const sigset_t& signals, std::optional<StartWatch>& watch) {
@@ -189,6 +210,7 @@ int serve(const Origin& origin, Config config, const sigset_t& signals, std::opt
   collided::server::flush_log();  // whoever waits for the ready file may read the lines above
   watch.reset();                  // whoever is told that it serves may stop it as one that does
   collided::server::write_ready_file(config.ready_file, daemon.addresses());
+  if (!config.private_folder.empty()) announce(daemon.addresses());
   supervisor.ready(daemon.addresses());
   const int signal = wait_for_end(origin, signals, config, daemon, supervisor);
   const int code = lifecycle.failed() ? 1 : 0;
@@ -201,11 +223,6 @@ int serve(const Origin& origin, Config config, const sigset_t& signals, std::opt
   drain(daemon, grace_seconds, signals, supervisor);
   spdlog::info("stopped");
   return code;
-}
-
-void print(const std::string& text) {
-  if (std::fputs(text.c_str(), stdout) == EOF || std::fflush(stdout) != 0)
-    throw std::runtime_error("standard output cannot be written");
 }
 
 // Checks what parsing does not: whether the files that options name are usable.
@@ -224,7 +241,7 @@ int main(int argc, char** argv) try {
   const sigset_t signals = block_signals();
   keep_memory();
   collided::load_kernels_at_start();
-  auto [config, run, exit_code, text, is_check] =
+  auto [config, run, exit_code, text, is_check, is_private] =
       collided::server::parse_config(argc, argv, collided::version_text("collided"));
   if (!run) {
     if (exit_code == 0)
@@ -233,6 +250,7 @@ int main(int argc, char** argv) try {
       std::fputs(text.c_str(), stderr);
     return exit_code;
   }
+  if (is_private && !is_check) set_up_private(config);
   if (!is_check) collided::server::check_start_limits(config);
   std::optional<StartWatch> watch(std::in_place);
   collided::server::set_up_log(config.log_format, config.log_level);

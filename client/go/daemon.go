@@ -1,12 +1,12 @@
 package collided
 
 import (
-	"bytes"
+	"bufio"
 	"context"
 	"errors"
+	"io"
 	"os"
 	"os/exec"
-	"path/filepath"
 	"runtime"
 	"strings"
 	"time"
@@ -18,25 +18,18 @@ const (
 	readyPatience   = 60 * time.Second
 	compilePatience = 30 * time.Minute // a GPU's driver may have to compile the kernels
 	stopPatience    = 10 * time.Second
-	poll            = 5 * time.Millisecond
 )
 
-// Its only client may use everything.
-var ownLimits = []string{
-	"--max-scenes-per-client", "1000000", "--max-streams-per-client", "1000000",
-	"--max-device-mb-per-client", "1000000", "--max-frame-seconds", "1000000",
-}
-
-// Daemon is a daemon of one's own, on a Unix socket in a temporary folder. On Linux it ends with this process.
+// Daemon is a daemon of one's own, on a Unix socket in a temporary folder. It ends with this process.
 type Daemon struct {
 	// Address is what to connect to.
 	Address string
 	// Addresses are all that it listens on, such as 127.0.0.1:40551 for the option --address 127.0.0.1:0.
 	Addresses []string
 
-	folder string
-	cmd    *exec.Cmd
-	ended  chan struct{} // closed once the process is gone
+	cmd   *exec.Cmd
+	stdin io.Closer
+	ended chan struct{} // closed once the process and its folder are gone
 }
 
 // FindDaemon tells where the daemon's program is: $COLLIDED_DAEMON, or collided on the PATH. NotFound if there is none.
@@ -65,34 +58,21 @@ func StartDaemon(ctx context.Context, options ...string) (*Daemon, error) {
 	if err != nil {
 		return nil, err
 	}
-	base := os.TempDir()
-	if len(base) > 80 {
-		base = "/tmp" // the path of a socket has at most 107 bytes
-	}
-	folder, err := os.MkdirTemp(base, "collided-")
+	d := &Daemon{cmd: exec.Command(program, append([]string{"--private"}, options...)...), ended: make(chan struct{})}
+	ready, err := d.start()
 	if err != nil {
-		return nil, failf(codes.Internal, "", "there is no room for a daemon: %v", err)
+		return nil, failf(codes.Unavailable, "", "the daemon cannot be started: %v", err)
 	}
-	d := &Daemon{Address: "unix:" + folder + "/socket", folder: folder, ended: make(chan struct{})}
-	words := append([]string{"--address", d.Address, "--ready-file", d.file("ready"), "--log-level", "warning"}, ownLimits...)
-	d.cmd = exec.Command(program, append(words, options...)...)
-	d.cmd.Env = ownEnvironment()
-	if err := d.start(ctx); err != nil {
-		d.Stop()
+	select {
+	case err = <-ready:
+	case <-ctx.Done():
+		err = contextError(ctx.Err())
+	}
+	if err != nil {
+		d.kill()
 		return nil, err
 	}
 	return d, nil
-}
-
-// ownEnvironment is without options of daemons that others start.
-func ownEnvironment() []string {
-	own := []string{}
-	for _, variable := range os.Environ() {
-		if !strings.HasPrefix(variable, "COLLIDED_") {
-			own = append(own, variable)
-		}
-	}
-	return own
 }
 
 // Stop stops it and removes its folder. Of nil it does nothing.
@@ -100,83 +80,70 @@ func (d *Daemon) Stop() {
 	if d == nil {
 		return
 	}
-	if d.cmd.Process != nil {
-		_ = d.cmd.Process.Signal(os.Interrupt)
-		select {
-		case <-d.ended:
-		case <-time.After(stopPatience):
-			_ = d.cmd.Process.Kill()
-			<-d.ended
-		}
+	_ = d.stdin.Close()
+	select {
+	case <-d.ended:
+	case <-time.After(stopPatience):
+		d.kill()
 	}
-	_ = os.RemoveAll(d.folder)
 }
 
-func (d *Daemon) file(name string) string { return filepath.Join(d.folder, name) }
+func (d *Daemon) kill() {
+	_ = d.stdin.Close()
+	_ = d.cmd.Process.Kill()
+	<-d.ended
+}
 
-func (d *Daemon) start(ctx context.Context) error {
-	log, err := os.Create(d.file("log"))
+// start returns a channel that tells when the daemon is ready, or why it is not.
+func (d *Daemon) start() (<-chan error, error) {
+	out, in, err := os.Pipe()
 	if err != nil {
-		return failf(codes.Internal, "", "there is no room for a daemon: %v", err)
+		return nil, err
 	}
-	defer log.Close()
-	d.cmd.Stdout, d.cmd.Stderr = log, log
-	endWithParent(d.cmd)
-	started := make(chan error, 1)
-	go d.run(started)
-	if err := <-started; err != nil {
-		return failf(codes.Unavailable, "", "the daemon cannot be started: %v", err)
+	defer in.Close()
+	d.cmd.Stdout, d.cmd.Stderr = in, in
+	if d.stdin, err = d.cmd.StdinPipe(); err == nil {
+		err = d.cmd.Start()
 	}
-	return d.waitUntilReady(ctx)
-}
-
-// run keeps its thread, with which the daemon would end, until the daemon has.
-func (d *Daemon) run(started chan<- error) {
-	runtime.LockOSThread()
-	defer runtime.UnlockOSThread()
-	err := d.cmd.Start()
-	started <- err
-	if err == nil {
+	if err != nil {
+		_ = out.Close()
+		return nil, err
+	}
+	ready := make(chan error, 1)
+	go func() {
+		defer close(d.ended)
+		defer out.Close()
+		ready <- d.waitUntilReady(out)
+		_ = out.SetReadDeadline(time.Time{})
+		_, _ = io.Copy(io.Discard, out)
 		_ = d.cmd.Wait()
-	}
-	close(d.ended)
+	}()
+	return ready, nil
 }
 
-func (d *Daemon) waitUntilReady(ctx context.Context) error {
+func (d *Daemon) waitUntilReady(out *os.File) error {
 	start := time.Now()
-	for {
-		select {
-		case <-d.ended:
-			return failf(codes.Unavailable, "", "the daemon ended before it was ready%s", d.lastWords())
-		case <-ctx.Done():
-			return contextError(ctx.Err())
-		case <-time.After(poll):
+	_ = out.SetReadDeadline(start.Add(readyPatience))
+	var last, before string // lines
+	for log := bufio.NewReader(out); ; {
+		line, err := log.ReadString('\n')
+		if line = strings.TrimSpace(line); line != "" {
+			before, last = last, line
 		}
-		ready, err := os.ReadFile(d.file("ready"))
-		if err != nil && !errors.Is(err, os.ErrNotExist) {
-			return failf(codes.Internal, "", "the daemon's file cannot be read: %v", err)
-		}
-		if len(ready) > 0 {
-			d.Addresses = strings.Fields(string(ready))
+		switch {
+		case strings.HasPrefix(line, "ready "):
+			d.Addresses = strings.Split(strings.TrimPrefix(line, "ready "), ",")
+			d.Address = d.Addresses[0]
 			return nil
-		}
-		if took := time.Since(start); took > readyPatience && (took > compilePatience || !d.compiles()) {
-			return failf(codes.Unavailable, "", "the daemon was not ready in %v", took.Round(time.Second))
+		case strings.Contains(line, "not expected: ") && strings.Contains(line, "--private"):
+			return failf(codes.FailedPrecondition, "", "a private daemon must be of release 0.2.0 or later, and %s is older", d.cmd.Path)
+		case errors.Is(err, os.ErrDeadlineExceeded):
+			return failf(codes.Unavailable, "", "the daemon was not ready in %v", time.Since(start).Round(time.Second))
+		case err != nil:
+			return failf(codes.Unavailable, "", "the daemon ended before it was ready: %s",
+				strings.TrimPrefix(before+": "+last, ": "))
+		case strings.Contains(line, "compiling the kernels"): // which takes longer than any other start
+			_ = out.SetReadDeadline(start.Add(compilePatience))
 		}
 	}
-}
-
-// compiles tells whether the daemon has said that kernels are being compiled, which takes longer than any other start.
-func (d *Daemon) compiles() bool {
-	log, _ := os.ReadFile(d.file("log"))
-	return bytes.Contains(log, []byte("compiling the kernels"))
-}
-
-func (d *Daemon) lastWords() string {
-	log, _ := os.ReadFile(d.file("log"))
-	lines := bytes.Split(bytes.TrimSpace(log), []byte("\n"))
-	if len(lines) > 2 {
-		lines = lines[len(lines)-2:]
-	}
-	return ": " + string(bytes.Join(lines, []byte(": ")))
 }

@@ -93,6 +93,7 @@ struct Config {
   std::string log_format = "text";  ///< text or json
   bool gives_back_memory = true;    ///< that was freed, to the system: not in a process of others; no option
   std::string ready_file;           ///< receives the bound addresses, one per line; empty: none
+  std::string private_folder;       ///< holds the sockets of a private daemon; empty: it is none; no option
 
   bool operator==(const Config&) const = default;
 };
@@ -103,7 +104,8 @@ struct ParsedConfig {
   bool run = true;  ///< false: print `text` and exit with `exit_code`
   int exit_code = 0;
   std::string text;
-  bool check = false;  ///< only check the configuration
+  bool check = false;       ///< only check the configuration
+  bool is_private = false;  ///< its sockets are still to be added
 };
 
 /// Flags, else COLLIDED_* in the environment, else the TOML file of --config, else defaults. Unset limits that depend

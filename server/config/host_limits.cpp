@@ -71,4 +71,11 @@ uint64_t host_memory(const std::string& root) {
   return min == kNoLimit ? 0 : min;
 }
 
+bool overcommits_memory() {
+  constexpr int kStrict = 2;
+  int policy = 0;
+  std::ifstream("/proc/sys/vm/overcommit_memory") >> policy;
+  return policy != kStrict;
+}
+
 }  // namespace collided::server

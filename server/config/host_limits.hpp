@@ -29,4 +29,9 @@ uint64_t soft_limit(int resource);
 /// known. `root` is the parent of proc and sys/fs/cgroup, empty for the real ones.
 uint64_t host_memory(const std::string& root = "");
 
+/// False under strict overcommit (vm.overcommit_memory is 2). A client can release pages of the memory that it shares,
+/// which the system allocates again when they are touched. It may then have none left, and would kill the daemon with
+/// SIGBUS.
+bool overcommits_memory();
+
 }  // namespace collided::server

@@ -4,17 +4,41 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <sstream>
 
 #include "deploy/help/help.hpp"
 #include "server/config/memory_limits.hpp"
+#include "server/config/private.hpp"
 #include "server/config/rules.hpp"
 
 namespace collided::server {
 namespace {
 
 constexpr int kBadConfig = 2;
+
+// Visits all options, also those of groups.
+void for_each_option(CLI::App& app, const std::function<void(CLI::Option&)>& visit) {
+  for (CLI::Option* option : app.get_options()) visit(*option);
+  for (CLI::App* group : app.get_subcommands([](CLI::App*) { return true; })) for_each_option(*group, visit);
+}
+
+// The flag acts as soon as it is parsed. CLI11 reads variables and stores the values of options only afterwards, so
+// that the flag may stand anywhere on the command line.
+void add_private_flag(CLI::App& app, Config& config, Switches& switches) {
+  const auto make_private = [&] {
+    switches.is_private = true;
+    for_each_option(app, [](CLI::Option& option) { option.envname(""); });
+    set_private_defaults(config);
+  };
+  app.add_flag_callback("--private", make_private,
+                        "Serve the process that starts it alone: on sockets in a temporary folder, with limits of a "
+                        "single client, without COLLIDED_* variables, until standard input closes")
+      ->trigger_on_parse()
+      ->disable_flag_override()
+      ->configurable(false);
+}
 
 }  // namespace
 
@@ -29,6 +53,7 @@ void define_options(CLI::App& app, Config& config, Switches& switches) {
       ->type_name("FILE")
       ->configurable(false);
   app.add_flag("--check", switches.check, "Check the configuration and exit")->configurable(false);
+  add_private_flag(app, config, switches);
   add_serve_options(app, config);
   add_limit_options(app, config.limits);
 }
@@ -62,10 +87,7 @@ void take_variable(CLI::Option& option) {
 
 // Gives options without a flag the values of their variables. CLI11 2.4 does not do that in a group of options of which
 // none has a flag, and passes over a value that the option refuses. Throws CLI::ParseError.
-void take_environment(CLI::App& app) {
-  for (CLI::Option* option : app.get_options()) take_variable(*option);
-  for (CLI::App* group : app.get_subcommands([](CLI::App*) { return true; })) take_environment(*group);
-}
+void take_environment(CLI::App& app) { for_each_option(app, take_variable); }
 
 }  // namespace
 
@@ -93,6 +115,7 @@ ParsedConfig parse_config(int argc, const char* const* argv, const std::string& 
     return stop(error);
   }
   parsed.check = switches.check;
+  parsed.is_private = switches.is_private;
   return parsed;
 }
 

@@ -19,6 +19,7 @@ struct Switches {
   std::string version = "";  ///< what --version prints
   std::string config_file = "";
   bool check = false;
+  bool is_private = false;
 };
 
 /// All options, with their defaults in `config`.

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "server/config/private.hpp"
+
 namespace collided::server {
 namespace {
 
@@ -29,6 +31,7 @@ Reloaded reload_config(int argc, const char* const* argv, const Config& current,
   if (!parsed.run) throw ConfigError(parsed.text.substr(0, parsed.text.find('\n')));
   Reloaded reloaded{std::move(parsed.config), {}};
   Config& now = reloaded.config;
+  if (!current.private_folder.empty()) add_private_sockets(now, current.private_folder);
   derive_limits(now.limits, memory);
   Keeper keeper(reloaded.restart);
   keeper.keep("address", now.addresses, current.addresses);

@@ -1,5 +1,4 @@
-// Clean-up when collidectl is interrupted. Signal handlers may only make async-signal-safe calls, so the paths are
-// prepared in advance.
+// Clean-up when collidectl is interrupted. Signal handlers may only make async-signal-safe calls.
 
 #include "client/cli/daemon/interrupt.hpp"
 
@@ -8,29 +7,26 @@
 
 #include <array>
 #include <atomic>
-#include <cstdio>
 #include <tuple>
 
 namespace collided::cli {
 
 namespace {
 
-volatile sig_atomic_t daemon_pid = 0;
+volatile sig_atomic_t daemon_pid = 0, daemon_input = -1, daemon_output = -1;
 volatile sig_atomic_t has_open_line = 0;
 std::atomic<void (*)()> restore_terminal = nullptr;
 static_assert(std::atomic<void (*)()>::is_always_lock_free);
-std::array<char, 128> folder_path, socket_path, ready_path, local_path, log_path;
 
 void stop_all(int signal_number) {
   if (void (*const restore)() = restore_terminal) restore();
   if (has_open_line) std::ignore = write(STDERR_FILENO, "\n", 1);
   if (daemon_pid > 0) {
-    kill(daemon_pid, SIGTERM);
-    unlink(socket_path.data());
-    unlink(ready_path.data());
-    unlink(local_path.data());
-    unlink(log_path.data());
-    rmdir(folder_path.data());
+    std::array<char, 256> last;
+    close(daemon_input);
+    kill(daemon_pid, SIGKILL);
+    while (read(daemon_output, last.data(), last.size()) > 0) {
+    }
   }
   _exit(128 + signal_number);
 }
@@ -51,12 +47,9 @@ void handle_interrupts(void (*handler)(int), int flags) {
 
 }  // namespace
 
-void clean_up_on_interrupt(pid_t daemon, const std::string& folder) {
-  std::snprintf(folder_path.data(), folder_path.size(), "%s", folder.c_str());
-  std::snprintf(socket_path.data(), socket_path.size(), "%s/socket", folder.c_str());
-  std::snprintf(ready_path.data(), ready_path.size(), "%s/ready", folder.c_str());
-  std::snprintf(local_path.data(), local_path.size(), "%s/local", folder.c_str());
-  std::snprintf(log_path.data(), log_path.size(), "%s/log", folder.c_str());
+void clean_up_on_interrupt(pid_t daemon, int input, int output) {
+  daemon_input = input;
+  daemon_output = output;
   daemon_pid = daemon;
   handle_interrupts(stop_all, 0);
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Clean-up when collidectl is interrupted (SIGINT, SIGTERM, SIGHUP): it stops its daemon and removes the daemon's
-// folder, deletes its scene on a foreign daemon, and reports what it has found so far.
+// Clean-up when collidectl is interrupted (SIGINT, SIGTERM, SIGHUP): it stops its daemon, deletes its scene on a
+// foreign daemon, and reports what it has found so far.
 
 #include <sys/types.h>
 
@@ -16,8 +16,9 @@ struct Interrupted : std::runtime_error {
   int signal_number;
 };
 
-/// From now on an interrupt ends the daemon and collidectl, and removes `folder` with the daemon's files.
-void clean_up_on_interrupt(pid_t daemon, const std::string& folder);
+/// From now on an interrupt ends the daemon and collidectl. The daemon ends when its `input` closes. Its `output`
+/// closes once the daemon and its files are gone.
+void clean_up_on_interrupt(pid_t daemon, int input, int output);
 /// The daemon has been stopped: there is nothing left to clean up.
 void no_clean_up_on_interrupt() noexcept;
 

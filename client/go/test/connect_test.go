@@ -136,6 +136,15 @@ func TestADaemonOfOnesOwnTakesItsOptionsFromItsCallerAlone(t *testing.T) {
 	daemon(t)
 }
 
+func TestADaemonThatIsOlderThanPrivateIsToldOf(t *testing.T) {
+	program := filepath.Join(t.TempDir(), "old")
+	text := "#!/bin/sh\necho The following argument was not expected: --private >&2; exit 2\n"
+	must(t, os.WriteFile(program, []byte(text), 0o700))
+	t.Setenv("COLLIDED_DAEMON", program)
+	_, err := collided.StartDaemon(within(t))
+	refused(t, err, codes.FailedPrecondition, "", "must be of release 0.2.0 or later, and .*old is older")
+}
+
 func TestADaemonIsLookedForEveryTwoSeconds(t *testing.T) {
 	ctx := within(t)
 	d := daemon(t, "--grace-seconds", "0")
@@ -188,7 +197,6 @@ func TestADaemonOfOnesOwnEndsWithAClientThatIsKilled(t *testing.T) {
 	count, err := out.Read(said)
 	must(t, err)
 	address := strings.TrimSpace(string(said[:count]))
-	defer os.RemoveAll(filepath.Dir(strings.TrimPrefix(address, "unix:")))
 	ctx := within(t)
 	client, err := collided.Connect(ctx, address, collided.Options{})
 	must(t, err)
@@ -198,4 +206,8 @@ func TestADaemonOfOnesOwnEndsWithAClientThatIsKilled(t *testing.T) {
 		_, err = client.GetServerInfo(ctx)
 	}
 	same(t, collided.IsConnectionLost(err), true)
+	for folder := filepath.Dir(strings.TrimPrefix(address, "unix:")); err == nil || !os.IsNotExist(err); {
+		must(t, ctx.Err())
+		_, err = os.Stat(folder)
+	}
 }

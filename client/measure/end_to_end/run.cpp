@@ -162,7 +162,7 @@ void run_end_to_end(const EndToEndOptions& options) {
   for (const double megabytes : options.megabytes)
     scales.push_back(scale_for(options.scene, megabytes, format_of(options.settings.position_format)));
   const ServerOptions& server = options.settings.server;
-  const OwnDaemon daemon({.backend = server.backend, .threads = server.threads, .all_transports = true});
+  const OwnDaemon daemon({.backend = server.backend, .threads = server.threads, .tcp = true});
   EndToEnd bench(echo, daemon, options);
   defer_interrupts();
   BenchOutput output(options.out, options.json);

@@ -1,20 +1,11 @@
 // A daemon of one's own, on a Unix socket in a temporary folder.
 
-import { type ChildProcess, spawn } from "node:child_process";
-import { once } from "node:events";
-import { accessSync, constants, mkdtempSync, openSync, closeSync, readFileSync, rmSync, statSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { type ChildProcessWithoutNullStreams, spawn } from "node:child_process";
+import { accessSync, constants, statSync } from "node:fs";
 import { delimiter, join } from "node:path";
 import { setTimeout as pause } from "node:timers/promises";
 import { Code, CollidedError } from "./errors.js";
 
-/** Its only client may use everything. */
-const OWN = [
-  "--max-scenes-per-client",
-  "--max-streams-per-client",
-  "--max-device-mb-per-client",
-  "--max-frame-seconds",
-].flatMap((limit) => [limit, "1000000"]);
 const READY_MS = 60_000;
 const COMPILE_MS = 1_800_000; // a GPU's driver may have to compile the kernels
 const STOP_MS = 10_000;
@@ -29,23 +20,9 @@ export function findDaemon(): string {
     );
   const named = process.env.COLLIDED_DAEMON;
   if (named) return isProgram(named) ? named : notFound(`COLLIDED_DAEMON is '${named}', which is not a program`);
-  return onPath("collided") ?? notFound("no daemon 'collided' is on the PATH; set COLLIDED_DAEMON, or connect to an address");
-}
-
-/** A command that runs another one, and stops it when this process is gone. */
-function endingWithParent(): string[] {
-  const setpriv = process.platform === "linux" && onPath("setpriv");
-  return setpriv ? [setpriv, "--pdeathsig", "TERM"] : [];
-}
-
-/** Without options of daemons that others start. */
-function ownEnvironment(): NodeJS.ProcessEnv {
-  return Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith("COLLIDED_")));
-}
-
-function onPath(name: string): string | undefined {
-  const places = (process.env.PATH ?? "").split(delimiter).filter((folder) => folder !== "");
-  return places.map((folder) => join(folder, name)).find(isProgram);
+  const folders = (process.env.PATH ?? "").split(delimiter).filter((folder) => folder !== "");
+  const found = folders.map((folder) => join(folder, "collided")).find(isProgram);
+  return found ?? notFound("no daemon 'collided' is on the PATH; set COLLIDED_DAEMON, or connect to an address");
 }
 
 function notFound(message: string): never {
@@ -61,29 +38,31 @@ function isProgram(path: string): boolean {
   }
 }
 
-/** Ends with stop(), or with this process; if that is killed, on Linux where `setpriv` (util-linux) is installed. */
+/** Ends with stop(), or with this process. */
 export class OwnDaemon {
-  /** To connect to. */
-  readonly address: string;
   /** All that it listens on, such as "127.0.0.1:40551" for the option --address 127.0.0.1:0. */
   addresses: readonly string[] = [];
-  readonly #folder: string;
-  readonly #process: ChildProcess;
-  readonly #stopAtExit = () => this.#kill();
+  readonly #process: ChildProcessWithoutNullStreams;
+  readonly #ended: Promise<void>; // once the process and its folder are gone
+  #hasEnded = false;
+  #said = "";
 
-  private constructor(daemon: string, folder: string, options: readonly string[]) {
-    this.#folder = folder;
-    this.address = `unix:${folder}/socket`;
-    const words = ["--address", this.address, "--ready-file", join(folder, "ready"), "--log-level", "warning", ...OWN];
-    const [program, ...rest] = [...endingWithParent(), daemon, ...words, ...options];
-    const log = openSync(join(folder, "log"), "a", 0o600);
-    try {
-      this.#process = spawn(program, rest, { stdio: ["ignore", log, log], env: ownEnvironment() });
-    } finally {
-      closeSync(log);
-    }
-    this.#process.on("error", () => {}); // told by #waitUntilReady
-    process.once("exit", this.#stopAtExit);
+  private constructor(program: string, options: readonly string[]) {
+    this.#process = spawn(program, ["--private", ...options]);
+    this.#ended = new Promise((resolve) =>
+      this.#process.once("close", () => {
+        this.#hasEnded = true;
+        resolve();
+      }),
+    );
+    this.#process.on("error", (error) => (this.#said += error.message)); // told by #waitUntilReady
+    for (const output of [this.#process.stdout, this.#process.stderr])
+      output.setEncoding("utf8").on("data", (text: string) => (this.#said += text));
+  }
+
+  /** To connect to. */
+  get address(): string {
+    return this.addresses[0];
   }
 
   /**
@@ -92,41 +71,34 @@ export class OwnDaemon {
    */
   static async start(options: readonly string[] = []): Promise<OwnDaemon> {
     const program = findDaemon();
-    const folder = mkdtempSync(join(tmpdir().length > 80 ? "/tmp" : tmpdir(), "collided-")); // a socket's path has 107 bytes
-    let daemon: OwnDaemon | undefined;
+    const daemon = new OwnDaemon(program, options);
     try {
-      daemon = new OwnDaemon(program, folder, options);
-      await daemon.#waitUntilReady();
-      daemon.addresses = readFileSync(join(folder, "ready"), "utf8").trim().split("\n");
-      return daemon;
+      daemon.addresses = await daemon.#waitUntilReady(program);
     } catch (error) {
-      await daemon?.stop();
-      rmSync(folder, { recursive: true, force: true });
+      daemon.#process.kill("SIGKILL");
+      await daemon.stop();
       throw error;
     }
+    for (const output of [daemon.#process.stdout, daemon.#process.stderr]) output.removeAllListeners("data").resume();
+    return daemon;
   }
 
   /** Stops it and removes its folder. */
   async stop(): Promise<void> {
-    process.off("exit", this.#stopAtExit);
-    this.#process.kill("SIGTERM");
-    const isOver = this.#hasEnded ? Promise.resolve() : once(this.#process, "exit");
+    this.#process.stdin.destroy();
     const patience = new AbortController();
     const tooLong = pause(STOP_MS, "late", { signal: patience.signal }).catch(() => "aborted");
-    if ((await Promise.race([isOver, tooLong])) === "late") this.#process.kill("SIGKILL");
+    if ((await Promise.race([this.#ended, tooLong])) === "late") this.#process.kill("SIGKILL");
     patience.abort();
-    await isOver;
-    rmSync(this.#folder, { recursive: true, force: true });
+    await this.#ended;
   }
 
-  get #hasEnded(): boolean {
-    return this.#process.pid === undefined || this.#process.exitCode !== null || this.#process.signalCode !== null;
-  }
-
-  async #waitUntilReady(): Promise<void> {
+  async #waitUntilReady(program: string): Promise<string[]> {
     const start = performance.now();
-    while (!statSync(join(this.#folder, "ready"), { throwIfNoEntry: false })?.size) {
-      if (this.#hasEnded) throw new CollidedError(Code.UNAVAILABLE, `the daemon ended before it was ready${this.#lastWords()}`);
+    for (;;) {
+      const ready = /^ready (.+)\n/m.exec(this.#said);
+      if (ready) return ready[1].split(",");
+      if (this.#hasEnded) throw this.#failure(program);
       if (this.#isLate(performance.now() - start)) throw new CollidedError(Code.UNAVAILABLE, "the daemon was not ready in time");
       await pause(POLL_MS);
     }
@@ -134,24 +106,13 @@ export class OwnDaemon {
 
   /** A daemon that says that kernels are being compiled has more time. */
   #isLate(ms: number): boolean {
-    return ms > READY_MS && (ms > COMPILE_MS || !this.#log().includes("compiling the kernels"));
+    return ms > READY_MS && (ms > COMPILE_MS || !this.#said.includes("compiling the kernels"));
   }
 
-  #log(): string {
-    return readFileSync(join(this.#folder, "log"), "utf8");
-  }
-
-  #lastWords(): string {
-    const lines = this.#log().split("\n");
-    return lines
-      .filter((line) => line !== "")
-      .slice(-2)
-      .map((line) => `: ${line}`)
-      .join("");
-  }
-
-  #kill(): void {
-    this.#process.kill("SIGKILL");
-    rmSync(this.#folder, { recursive: true, force: true });
+  #failure(program: string): CollidedError {
+    if (/not expected: .*--private/.test(this.#said))
+      return new CollidedError(Code.FAILED_PRECONDITION, `a private daemon must be of release 0.2.0 or later, and ${program} is older`);
+    const lines = this.#said.split("\n").filter((line) => line !== "");
+    return new CollidedError(Code.UNAVAILABLE, ["the daemon ended before it was ready", ...lines.slice(-2)].join(": "));
   }
 }

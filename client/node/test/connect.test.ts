@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, test } from "node:test";
@@ -164,5 +164,16 @@ test("a daemon of one's own ends with its client, even one that is killed", asyn
   while ((await alive.getServerInfo().catch(() => undefined)) !== undefined)
     await new Promise((resolve) => setTimeout(resolve, 10));
   await alive.close();
-  rmSync(address.replace(/^unix:|\/socket$/g, ""), { recursive: true });
+  while (existsSync(address.replace(/^unix:|\/socket$/g, ""))) await new Promise((resolve) => setTimeout(resolve, 10));
+});
+
+test("a daemon that is older than --private is told of", async () => {
+  const { COLLIDED_DAEMON } = process.env;
+  writeFileSync(file("old"), "#!/bin/sh\necho The following argument was not expected: --private >&2; exit 2\n", { mode: 0o700 });
+  try {
+    process.env.COLLIDED_DAEMON = file("old");
+    await refused(() => OwnDaemon.start(), Code.FAILED_PRECONDITION, "", /must be of release 0.2.0 or later, and .*old is older/);
+  } finally {
+    process.env.COLLIDED_DAEMON = COLLIDED_DAEMON;
+  }
 });

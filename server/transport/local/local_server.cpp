@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <new>
 #include <stdexcept>
 #include <system_error>
@@ -25,19 +24,6 @@ constexpr mode_t kOwnUser = 0600, kAnyUser = 0666;  // of the socket's file; the
 constexpr size_t kMaxClosing = 64;                  // descriptors: clients' files, and connections
 constexpr int kRetryMs = 100;                       // while the process has no file descriptor left
 
-// A client can release pages of the shared memory, which the system allocates again when they are touched. Under strict
-// overcommit it may have none left by then, and would kill the daemon with SIGBUS.
-void check_memory_policy() {
-  constexpr auto kFile = "/proc/sys/vm/overcommit_memory";
-  constexpr int kStrict = 2;
-  int policy = 0;
-  std::ifstream(kFile) >> policy;
-  if (policy == kStrict)
-    throw std::runtime_error(
-        "cannot serve --local-socket: vm.overcommit_memory is 2, but must be 0 or 1 for memory that "
-        "clients share");
-}
-
 // Without the memory to say why, the client is only hung up on.
 void refuse(Fd socket, const Failure& why) try {
   log_event(spdlog::level::warn, "local connection refused", {{"code", code_name(why.code)}, {"reason", why.message}});
@@ -51,7 +37,6 @@ void refuse(Fd socket, const Failure& why) try {
 LocalServer::LocalServer(const LocalOptions& options, SceneHost& host, const Authenticator& authenticator,
                          Metrics& metrics)
     : options_(options), metrics_(metrics), rules_{host, authenticator, options.cuda_ipc} {
-  check_memory_policy();
   const mode_t mode = options.allowed_uids.empty() ? kOwnUser : kAnyUser;
   listener_ = std::make_unique<UnixListener>(options.path, UnixListener::Options{SOCK_SEQPACKET, mode});
   wake_ = Fd(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));

@@ -90,10 +90,7 @@ class BatchBench {
  public:
   explicit BatchBench(const Options& options)
       : options_(options),
-        daemon_({.backend = options.backend,
-                 .threads = options.threads,
-                 .all_transports = true,
-                 .streams = options.worlds + 16}),
+        daemon_({.backend = options.backend, .threads = options.threads, .tcp = true, .streams = options.worlds + 16}),
         client_(client::Client::connect(daemon_.address())),
         stub_(v1::CollisionService::NewStub(client_.channels().connect())) {
     lanes_.push_back({"one_call", make_set(client::Local::kOff), true});

@@ -240,7 +240,7 @@ class DeviceBench {
 
   const Options& options_;
   const test::BenchInput input_;
-  const cli::OwnDaemon daemon_{{.all_transports = true, .cuda_ipc = true}};
+  const cli::OwnDaemon daemon_{{.tcp = true, .cuda_ipc = true}};
   client::Client client_;
   v1::Scene scene_;
   std::vector<std::unique_ptr<Lane>> lanes_;

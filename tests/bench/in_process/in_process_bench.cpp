@@ -37,7 +37,7 @@ class InProcessBench {
  public:
   explicit InProcessBench(const Options& options)
       : options_(options),
-        daemon_({.backend = options.backend, .threads = options.threads, .all_transports = true}),
+        daemon_({.backend = options.backend, .threads = options.threads, .tcp = true}),
         there_(client::Client::connect(daemon_.address())),
         here_(local({.backend = options.backend, .threads = options.threads})) {}
 

@@ -132,7 +132,7 @@ class Daemon(support.CollidectlTest):
             words = [COLLIDECTL, "stream", "--scene", "funnel", "--frames", "100000", *ONE_CPU]
             env = {**os.environ, "COLLIDED_DAEMON": DAEMON, "TMPDIR": folder}
             with subprocess.Popen(words, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-                while process.poll() is None and not glob.glob(folder + "/*/ready"):
+                while process.poll() is None and not glob.glob(folder + "/*/socket"):
                     time.sleep(0.01)
                 with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as file:
                     daemon = int(file.read().split()[0])

@@ -261,7 +261,7 @@ class Interrupts(LoadTest):
         self.assertTrue(result["interrupted"])
         self.assertGreater(result["frames"]["answered"], 0)
         self.assertLess(result["throughput"]["seconds"], 100)
-        self.assertEqual([name for name in os.listdir(self.folder.name) if name.startswith("collidectl-")], [])
+        self.assertEqual([name for name in os.listdir(self.folder.name) if name.startswith("collided-")], [])
 
     def test_a_daemon_that_is_killed_is_reported_with_what_was_measured(self):
         with self.loaded_daemon() as (daemon, server):

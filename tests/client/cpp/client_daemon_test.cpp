@@ -16,6 +16,7 @@ namespace {
 using Triangles = std::vector<std::array<uint32_t, 3>>;
 
 const Triangles kTriangles{{0, 1, 2}, {3, 4, 5}};
+const StreamOptions kOverGrpc{.local = {.use = Local::kOff}};  // its own daemon offers shared memory, too
 
 /// A triangle at rest, and one whose corner is `height` above its inside.
 std::vector<std::array<double, 3>> positions_at(double height) {
@@ -63,7 +64,7 @@ class ClientAndDaemon : public testing::Test {
 
 TEST_F(ClientAndDaemon, PositionsInTheCallersMemoryGiveTheContactsOfAFrame) {
   const v1::Scene light = make_scene(), whole = make_scene();
-  FrameStream a = client.stream(light), b = client.stream(whole);
+  FrameStream a = client.stream(light, kOverGrpc), b = client.stream(whole, kOverGrpc);
   for (uint64_t id = 1; id <= 4; ++id) {
     const auto positions = positions_at(id % 2 ? 1 : -1);
     v1::Frame frame;
@@ -87,7 +88,7 @@ TEST_F(ClientAndDaemon, AWatcherSeesTheContactsAndPositionsOfFramesThatOthersSen
   Watcher watcher = client.watch(scene.scene_id(), {.max_contacts_per_kind = 10, .meshes = {0}, .vertex_stride = 2});
   EXPECT_EQ(watcher.scene().scene_id(), scene.scene_id());
   EXPECT_EQ(watcher.vertex_stride(), 2u);
-  FrameStream stream = client.stream(scene);
+  FrameStream stream = client.stream(scene, kOverGrpc);
   for (uint64_t id = 1; id <= 3; ++id) {
     const auto positions = positions_at(id % 2 ? 1 : -1);
     const FrameOutput answered = run(stream, id, positions);
@@ -113,7 +114,7 @@ TEST_F(ClientAndDaemon, AWatcherSeesTheContactsAndPositionsOfFramesThatOthersSen
 TEST_F(ClientAndDaemon, MoveAlongGivesThePositionsThatAnAdvanceEndsAt) {
   const v1::Scene scene = make_scene();
   Watcher watcher = client.watch(scene.scene_id(), {.meshes = {0}});
-  FrameStream stream = client.stream(scene);
+  FrameStream stream = client.stream(scene, kOverGrpc);
   run(stream, 1, positions_at(1)).check();
   watcher.receive();
   std::vector<double> x, target;
@@ -144,7 +145,7 @@ TEST_F(ClientAndDaemon, AWatcherIsCancelledWhileItWaits) {
 
 TEST_F(ClientAndDaemon, ARefusedFrameIsAnAnswerAndTheStreamGoesOn) {
   const v1::Scene scene = make_scene();
-  FrameStream stream = client.stream(scene, {.window = 1});
+  FrameStream stream = client.stream(scene, {.window = 1, .local = kOverGrpc.local});
   run(stream, 1, positions_at(1)).check();
   auto bad = positions_at(-1);
   bad[3][2] = NAN;
@@ -156,7 +157,7 @@ TEST_F(ClientAndDaemon, ARefusedFrameIsAnAnswerAndTheStreamGoesOn) {
 
 /// The flags of the one vertex-triangle contact from a start at which the corner is `height` above.
 uint8_t flags_from(Client& client, const v1::Scene& scene, double height) {
-  FrameStream stream = client.stream(scene);
+  FrameStream stream = client.stream(scene, kOverGrpc);
   v1::Frame frame;
   frame.set_frame_id(stream.scene().last_frame_id() + 1);
   *frame.add_updates() = mesh_update(0, v1::POSITION_FORMAT_F64, positions_at(-1), positions_at(height));
@@ -177,7 +178,7 @@ TEST_F(ClientAndDaemon, TheFlagsOfAContactAreMasks) {
 }
 
 TEST_F(ClientAndDaemon, AThreadCanReceiveBeforeTheFirstFrameIsSent) {
-  FrameStream stream = client.stream(make_scene());
+  FrameStream stream = client.stream(make_scene(), kOverGrpc);
   EXPECT_THROW(stream.receive(), Error);
   EXPECT_FALSE(stream.receive_within(std::chrono::milliseconds(0)));
   std::vector<uint64_t> received;
@@ -227,7 +228,7 @@ TEST_F(ClientAndDaemon, AFrameOfManyMegabytesIsSentWhole) {
   spec.set_position_format(v1::POSITION_FORMAT_F64);
   const MeshInput mesh{.name = "two of many", .vertex_count = count, .triangles = kTriangles};
   const v1::Scene scene = client.create_scene(spec, {&mesh, 1});
-  FrameStream stream = client.stream(scene);
+  FrameStream stream = client.stream(scene, kOverGrpc);
   std::vector<std::array<double, 3>> positions(count, {9, 9, 9});
   const auto near = positions_at(0.05);
   std::copy(near.begin(), near.end(), positions.begin());
@@ -240,12 +241,12 @@ TEST_F(ClientAndDaemon, AFrameOfManyMegabytesIsSentWhole) {
 TEST_F(ClientAndDaemon, AStreamThatIsLetGoOfIsCancelled) {
   const v1::Scene scene = make_scene();
   {
-    FrameStream stream = client.stream(scene);
+    FrameStream stream = client.stream(scene, kOverGrpc);
     run(stream, 1, positions_at(1));
   }
   client.delete_scene(scene.scene_id());
   try {
-    client.stream(scene);
+    client.stream(scene, kOverGrpc);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), grpc::NOT_FOUND);
@@ -253,7 +254,7 @@ TEST_F(ClientAndDaemon, AStreamThatIsLetGoOfIsCancelled) {
 }
 
 TEST_F(ClientAndDaemon, AStoppingDaemonSaysSoBeforeTheConnectionIsLost) {
-  FrameStream stream = client.stream(make_scene());
+  FrameStream stream = client.stream(make_scene(), kOverGrpc);
   run(stream, 1, positions_at(1)).check();
   std::thread stop([&] { daemon.reset(); });
   while (!stream.draining_deadline()) std::this_thread::sleep_for(std::chrono::milliseconds(5));

@@ -484,6 +484,8 @@ class Starting(Case):
             self.assertTrue(client.info.version)
         with self.assertRaisesRegex(collided.Unavailable, "did not become ready: .*waiting"):
             self.start("waiting for something")
+        with self.assertRaisesRegex(collided.FailedPrecondition, "must be of release 0.2.0 or later, and .*daemon is older"):
+            self.start('The following argument was not expected: --private"; exit 2; "')
 
 
 if __name__ == "__main__":
