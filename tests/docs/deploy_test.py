@@ -17,8 +17,8 @@ from markdown import Page
 DAEMON, REPOSITORY = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
 README = Page(REPOSITORY / "deploy" / "README.md")
 HELP = subprocess.run([DAEMON, "--help"], text=True, capture_output=True, check=True, timeout=60).stdout
-# Name and default of every option.
-OPTIONS = dict(re.findall(r"^\s+--([\w-]+) \w+.*?=(\S+)", HELP, re.MULTILINE))
+# Name and default of every option: UINT=64, or UINT [64] in newer releases of CLI11.
+OPTIONS = dict(re.findall(r"^\s+--([\w-]+) \w+.*?(?:=| \[)([^\s\]]+)", HELP, re.MULTILINE))
 
 
 def names_in(cell):

@@ -91,7 +91,7 @@ class Reference(unittest.TestCase):
 
     def test_links_between_the_pages_exist(self):
         for page in self.out.glob("*.html"):
-            for link in re.findall(r'href="([^"#:]+)(?:#[^"]*)?"', self.page(page.name)):
+            for link in re.findall(r'href="([^"#:?]+)(?:[?#][^"]*)?"', self.page(page.name)):
                 self.assertTrue((self.out / link).exists(), (page.name, link))
 
     def test_it_replaces_an_earlier_reference_and_nothing_else(self):

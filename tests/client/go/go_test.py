@@ -44,7 +44,12 @@ class Go(unittest.TestCase):
         WORKSPACE.run("vet", *PACKAGES)
 
     def test_its_types_hold_on_other_systems(self):
-        said = WORKSPACE.run("run", REPOSITORY / "tests" / "client" / "go" / "systems.go", *PACKAGES).decode()
+        try:
+            said = WORKSPACE.run("run", REPOSITORY / "tests" / "client" / "go" / "systems.go", *PACKAGES).decode()
+        except AssertionError as error:
+            if 'cannot find package "golang.org/x/sys/windows"' in str(error):
+                self.skipTest("Debian's gRPC for Go needs golang.org/x/sys/windows, which Debian leaves out")
+            raise
         self.assertRegex(said, r"\Adarwin: (\d\d) files\nwindows: \1 files\n\Z")
 
     def test_go_takes_the_module_by_its_path(self):
