@@ -1,6 +1,6 @@
 #pragma once
-// How large the scene and its triangles are, before anything is built. In a shard of a scene (base/share.hpp) the
-// triangles that are in none of its pairs are left out then: from there on their boxes meet nothing.
+// Measures the scene and its triangles before anything is built. In a shard of a scene (base/share.hpp) this also
+// leaves out the triangles that are in none of its pairs: from there on their boxes meet nothing.
 
 #include "gpu/base/extent.hpp"
 #include "gpu/base/mesh_filter.hpp"

@@ -1,6 +1,6 @@
 #pragma once
-// What a step asks of a broad phase. Each engine is a class that models BroadPhase, in a folder of its own, and a row
-// of the table in engines/engines.hpp.
+// The interface between a step and a broad phase. Each engine is a class that models BroadPhase, has a folder of its
+// own, and is a row of the table in engines/engines.hpp.
 
 #include <concepts>
 
@@ -20,10 +20,10 @@ struct AnySink {
 template <class Phase>
 concept BroadPhase = requires(Phase& phase, const Phase& fixed, StepPlan& plan, const StepPlan& step,
                               const StepState& found, FrameCounts& counts, uint64_t* next_item) {
-  // Which of Engine's values it is, and which of them stands for it where engines compete.
+  // Returns true for the values of Engine that the class serves; kEngine stands for it where engines compete.
   { Phase::serves(Engine::kAuto) } -> std::same_as<bool>;
   { Phase::kEngine } -> std::convertible_to<Engine>;
-  // The scene has another number of triangles from the next step on.
+  // Prepares for a scene with another number of triangles.
   phase.resize();
   // Adds its own part to the plan of a step that it serves; then the steps of such a plan begin.
   fixed.plan(plan);
@@ -48,7 +48,7 @@ concept BroadPhase = requires(Phase& phase, const Phase& fixed, StepPlan& plan, 
   phase.release();
 };
 
-/// For engines that do nothing of what most do not.
+/// Does nothing where most engines have nothing to do.
 struct BroadPhaseDefaults {
   void resize() {}
   void plan(StepPlan&) const {}

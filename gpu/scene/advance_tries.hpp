@@ -24,7 +24,7 @@ class AdvanceTries {
       settings.thickness += margin_;
     return settings;
   }
-  /// After that step, from whose end the scene goes back as far as it has to.
+  /// Goes back from the end of that step as far as the scene has to.
   void finish(const FrameSettings& settings, FrameResult& result) {
     const FrameSettings attempt = settings_of_try(spec_, settings.accuracy, margin_);
     const bool is_same_question = settings.start_thickness == spec_.min_separation && settings.encoding == 0 &&
@@ -39,7 +39,7 @@ class AdvanceTries {
   }
 
  private:
-  /// What all shards of the scene found; of a scene that is one: what it did. Once all have come they go on alike.
+  /// Returns what all shards of the scene found together. All of them wait here for each other.
   Found share(const FrameResult& result) {
     const Found found{result.any_contact, result.earliest_toi};
     return shard_ == nullptr ? found : shard_->meeting.meet(found, exec_.asks());
@@ -57,7 +57,7 @@ class AdvanceTries {
     }
     positions_.go(search.fraction());
   }
-  /// What the backend tells of a try is of the whole frame so far; all tries are one stage.
+  /// Adds the costs of a try, which the backend reports for the whole frame so far. All tries are one stage.
   static void add_costs(FrameResult& result, size_t own_stages, const FrameResult& tried) {
     result.replays += tried.replays;
     result.allocations = tried.allocations;

@@ -11,13 +11,13 @@
 
 namespace collided {
 
-/// What follows from options that the scene can have.
+/// Holds what follows from options that the scene can have.
 struct CheckedFrame {
   FrameSettings settings;
   std::vector<std::string> unused;  ///< options of the scene, as unused_options() names them
 };
 
-/// All that check_frame() looks at.
+/// Returns all that check_frame() depends on.
 inline auto options_of(const FrameInput& frame) {
   const ContactRoom& room = frame.room;
   return std::tuple(frame.mode, frame.accuracy, frame.delta, frame.report, frame.ignore_separating, frame.advance,
@@ -26,7 +26,7 @@ inline auto options_of(const FrameInput& frame) {
                     reinterpret_cast<uintptr_t>(room.memory.data()) % ContactRoom::kAlignment);
 }
 
-/// Of one scene.
+/// Checks the frames of one scene.
 class FrameChecks {
  public:
   /// `spec`: of the scene, the same in each call until forget(). Throws what check_frame() throws.
@@ -39,7 +39,7 @@ class FrameChecks {
     last_ = options;
     return checked_;
   }
-  /// The scene was edited.
+  /// Must be called when the scene is edited.
   void forget() { last_.reset(); }
 
  private:

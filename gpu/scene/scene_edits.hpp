@@ -72,7 +72,7 @@ class SceneEdits {
     positions_.restore(std::move(saved));
     rest_pairs_.settle();
   }
-  /// Lists that a much larger scene needed.
+  /// Releases lists that a much larger scene needed.
   void release_unneeded() {
     const size_t triangles = model_.topology().triangles.size();
     most_triangles_ = std::max(most_triangles_, triangles);

@@ -1,5 +1,5 @@
 #pragma once
-// Stages of a frame that are told as one.
+// Merges stages of a frame that are reported as one.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace collided {
 
-/// Stages [first, end) become one.
+/// Replaces stages [first, end) by one with the sum of their times.
 inline void make_one_stage(std::vector<StageTime>& stages, size_t first, size_t end, const char* name) {
   StageTime all{name, 0};
   for (size_t i = first; i < end; ++i) all.milliseconds += stages[i].milliseconds;

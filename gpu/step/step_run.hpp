@@ -1,7 +1,8 @@
 #pragma once
-// How the backend runs a step: in one go, or by parts, and again where it was short of room. A step that will not be as
-// it is again, because memory was allocated for it, runs by parts: where it was short of room only the last part runs
-// again. So does one that would have to wait for recordings of others. On CPU cores all do.
+// Runs a step on the backend, in one go or by parts, and again where its lists were too short. A step for which memory
+// was allocated will never be the same again: it runs by parts, so that only the last part is repeated where a list was
+// too short. The same holds for a step that would have to wait for the recordings of others. On CPU cores every step
+// runs by parts.
 
 #include <utility>
 
@@ -17,9 +18,10 @@ class StepRun {
   /// `states`: of the scene; outlives the run.
   StepRun(Exec& exec, Buffer<StepState, Exec>& states) : exec_(exec), states_(states) {}
 
-  /// A frame begins: nothing of it has run.
+  /// Begins a frame, nothing of which has run.
   void begin() { has_begun_ = false, replays_ = 0; }
-  /// The second state is what the first was before a part, the third what it was before a search at kAnyHit.
+  /// Allocates the states. The second is a copy of the first from before a part, the third one from before a search at
+  /// kAnyHit.
   void reserve() {
     constexpr uint64_t kStates = 3;
     if (states_.capacity() > 0) return;
@@ -27,7 +29,7 @@ class StepRun {
     exec_.fill_zero(states_.data(), kStates * sizeof(StepState));
   }
 
-  /// The next step has this number (PlanNumbers). Steps of the same number do the same work.
+  /// Sets the number of the next step (PlanNumbers). Steps of the same number do the same work.
   void plan(uint64_t number) {
     number_ = number;
     by_parts_ = !Exec::kLaunchesCost || exec_.allocations() > 0 || !exec_.can_step(number);
@@ -47,7 +49,8 @@ class StepRun {
     return false;
   }
 
-  /// A part of the step. After it, where steps run by parts, `must_rerun` makes room for what it asked for.
+  /// Runs a part of the step, and again as long as `must_rerun`, which makes room for what it asked for, says so. Where
+  /// the step runs in one go, it only enqueues the part.
   template <class Put, class MustRerun>
   void part(const Put& put, const MustRerun& must_rerun) {
     if (!by_parts_) return put();
@@ -61,7 +64,7 @@ class StepRun {
       exec_.copy(state, state + 1, sizeof(StepState));
     }
   }
-  /// From here on the counters are the step's own.
+  /// Says that the counters are the step's own from here on.
   void mark_begun() { has_begun_ = true; }
   bool has_begun() const { return has_begun_; }
 
@@ -72,12 +75,12 @@ class StepRun {
     ++replays_;
   }
 
-  /// What the step has found; where it runs by parts, so far.
+  /// Returns what the step has found; where it runs by parts, so far.
   const StepState& found() const { return found_; }
   StepState& found() { return found_; }
-  /// The same, read from the backend now.
+  /// Returns the same, read from the backend now.
   StepState peek() { return exec_.peek(states_.data()); }
-  /// How often all or a part of the frame's step ran again.
+  /// Returns how often all or a part of the frame's step ran again.
   uint64_t replays() const { return replays_; }
 
  private:

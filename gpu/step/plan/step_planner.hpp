@@ -1,6 +1,6 @@
 #pragma once
-// What the next step does, from what the last ones found and how long they took: which engine searches, and whether it
-// makes lists of neighbours or goes by those that are there.
+// Plans the next step from what the last ones found and how long they took: chooses its engine, and decides whether it
+// makes lists of neighbours or reuses those that exist.
 
 #include "gpu/state/plan.hpp"
 #include "gpu/state/state.hpp"
@@ -11,7 +11,7 @@ namespace collided {
 
 class StepPlanner {
  public:
-  /// What plans depend on beside frames.
+  /// Holds what plans depend on, apart from frames.
   struct Scene {
     uint64_t triangles;
     bool launches_cost;  ///< as in Executor
@@ -23,16 +23,16 @@ class StepPlanner {
     suit(scene);
   }
 
-  /// The scene is like this from the next step on.
+  /// Plans for a scene like this from the next step on.
   void resize(const Scene& scene) {
     choices_.choose_between(rivals(scene));
     suit(scene);
     forget_lists();
   }
-  /// Lists that were made are of no use any more.
+  /// Drops the lists that were made.
   void forget_lists() { reuse_.forget(); }
 
-  /// A frame's step begins. `bounds`: of the last one.
+  /// Begins a frame's step. `bounds` are those of the last one.
   void begin(const LevelNeeds& needs, const Box<float>& bounds) {
     lists_ = reuse_.begin(needs, bounds);
     facts_ = choices_.begin(needs, !uses_lists() && !is_idle());
@@ -51,22 +51,22 @@ class StepPlanner {
   /// Returns the milliseconds that a thread may work on the step; 0: any number.
   double longest_step() const { return uses_lists() ? reuse_.longest_step(lists_) : choices_.longest_step(); }
 
-  // The step did not end. Lists that took too long, or had no room:
+  // The step did not end, because its lists took too long or had no room.
   void give_up_lists() { reuse_.give_up(), lists_ = {}; }
   void refuse_lists() { reuse_.refuse(), lists_ = {}; }
-  /// A vertex has left its track.
+  /// Ends the lists: a vertex has left its track.
   void miss(const Displacement& found) { lists_ = reuse_.miss(found); }
-  /// The engine took too long, or failed: another one takes its place, if there is one.
+  /// Replaces an engine that took too long or failed, if there is another one.
   void abandon_engine() { facts_ = choices_.abandon(); }
-  /// The engine had no room. Returns false if no other engine may need less.
+  /// Replaces an engine that had no room. Returns false if no other engine may need less.
   bool retreat() {
     const std::optional<EngineFacts> other = choices_.retreat();
     if (other) facts_ = *other;
     return other.has_value();
   }
 
-  /// The step has ended. `work`: milliseconds of the calling thread; `is_clean`: nothing was allocated for it, and
-  /// later steps will run as it did.
+  /// Ends the step. `work` is in milliseconds of the calling thread. `is_clean` is true if nothing was allocated for
+  /// the step and later steps will run as it did.
   void end(const StepState& found, double work, bool is_clean, FrameResult& result) {
     choices_.end(result, found.totals.boxed(), found.bricks[0] > 0, is_clean && result.replays == 0);
     reuse_.end(lists_, found.displacement, found.neighbours[0] + found.neighbours[1], result.step_milliseconds, work,
@@ -74,7 +74,7 @@ class StepPlanner {
     result.reuse = reuse_.facts(lists_);
   }
   const EngineFacts& engine() const { return facts_; }
-  /// Tests in the lists.
+  /// Returns the number of tests in the lists.
   uint64_t listed_tests() const { return reuse_.length(); }
   bool is_idle(Engine engine) const { return choices_.is_idle(engine); }
   bool are_lists_idle() const { return reuse_.is_idle(); }
