@@ -2,6 +2,7 @@
 // What the octree's stages keep on the backend.
 
 #include "gpu/engines/octree/leaf_pairs.hpp"
+#include "gpu/engines/octree/levels.hpp"
 #include "gpu/engines/octree/refine.hpp"
 #include "gpu/exec/buffer.hpp"
 
