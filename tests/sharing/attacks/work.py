@@ -84,7 +84,10 @@ def nan_worlds(target, told, over):
         nothing = struct.pack("<f", float("nan")) * (18 * WORLDS)
 
         def ask():
-            made = caller.call("CreateScenes", batch.CreateScenesRequest(spec=tip_spec(), count=WORLDS))
+            # The scenes of `builds`, the same client's, may have all places for a moment.
+            while not (made := told.attempt(caller.call, "CreateScenes", batch.CreateScenesRequest(spec=tip_spec(), count=WORLDS))):
+                if over.is_set():
+                    return
             scene = batch.CreateScenesResponse.FromString(made).scenes.scene_id
             caller.scenes.append(scene)
             for frame_id in itertools.count(1):
