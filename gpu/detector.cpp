@@ -6,8 +6,8 @@
 #include "gpu/exec/asks.hpp"
 #include "gpu/scene/backends/backends.hpp"
 #include "gpu/scene/known_lengths.hpp"
-#include "gpu/scene/shards/sharded_scene.hpp"
 #include "gpu/scene/rules.hpp"
+#include "gpu/scene/shards/sharded_scene.hpp"
 #include "gpu/tables/tables.hpp"
 
 namespace collided {

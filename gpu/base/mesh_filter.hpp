@@ -13,8 +13,8 @@ namespace collided {
 struct MeshRule {
   uint32_t groups, collide_mask;          ///< of pairs with other meshes
   uint32_t is_static, has_self_contacts;  ///< 0 or 1
-  uint32_t branch = 0;                    ///< of the hierarchy (engines/lbvh/lbvh.hpp); all 0 where most pairs may touch
-  uint32_t is_idle = 0;                   ///< 1: the mesh may touch nothing, itself included
+  uint32_t branch = 0;   ///< of the hierarchy (engines/lbvh/lbvh.hpp); all 0 where most pairs may touch
+  uint32_t is_idle = 0;  ///< 1: the mesh may touch nothing, itself included
 };
 
 /// True if two different meshes of these rules may touch, unless their pair is excluded.

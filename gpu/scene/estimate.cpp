@@ -4,8 +4,8 @@
 
 #include "gpu/detector.hpp"
 #include "gpu/positions/format.hpp"
-#include "gpu/scene/shards/sharded_scene.hpp"
 #include "gpu/scene/rules.hpp"
+#include "gpu/scene/shards/sharded_scene.hpp"
 #include "gpu/search/dry_run.hpp"
 #include "gpu/step/pipeline.hpp"
 #include "gpu/tables/exclusions.hpp"

@@ -1,8 +1,8 @@
 #pragma once
 // Steps 6 to 8 of Fig. 7: the pairs that the frame's engine finds go to the sinks that make candidates of them.
 
-#include "gpu/step/box_phase.hpp"
 #include "gpu/engines/engines.hpp"
+#include "gpu/step/box_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/neighbour_phase.hpp"
 #include "gpu/step/sinks.hpp"

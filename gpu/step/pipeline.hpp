@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "gpu/step/box_phase.hpp"
 #include "gpu/engines/engines.hpp"
 #include "gpu/step/advance.hpp"
+#include "gpu/step/box_phase.hpp"
 #include "gpu/step/contact_phase.hpp"
 #include "gpu/step/neighbour_phase.hpp"
 #include "gpu/step/placing.hpp"

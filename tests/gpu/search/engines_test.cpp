@@ -13,8 +13,7 @@ namespace collided::test {
 namespace {
 
 constexpr Engine kEngines[] = {Engine::kOctree,       Engine::kTopDown, Engine::kBottomUp, Engine::kUniformGrid,
-                               Engine::kTwoLevelGrid, Engine::kLbvh,    Engine::kVss,
-                              Engine::kAllPairs};
+                               Engine::kTwoLevelGrid, Engine::kLbvh,    Engine::kVss,      Engine::kAllPairs};
 
 SceneSpec settings_of(Engine engine, Mode mode, double thickness = 0, Accuracy accuracy = Accuracy::kCandidates) {
   SceneSpec spec = settings(mode, accuracy, Scalar::kF32, thickness);
