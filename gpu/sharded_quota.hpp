@@ -1,5 +1,5 @@
 #pragma once
-// What a scene in shards holds, told device by device.
+// Counts what a scene on several devices holds, device by device.
 
 #include <cstddef>
 #include <memory>
@@ -8,12 +8,12 @@
 
 namespace collided {
 
-/// SceneSpec::memory_quota of a scene in shards that counts each shard's memory apart. What is the scene's as a whole,
-/// as its answers are, is taken of the quota itself. A scene in shards whose quota is none of these takes all of it
+/// A SceneSpec::memory_quota that counts the memory of each shard separately. What belongs to the scene as a whole,
+/// such as its answers, is taken from this quota itself. A sharded scene with any other quota takes all of its memory
 /// there.
 class ShardedQuota : public MemoryQuota {
  public:
-  /// Of shard k, which is on SceneSpec::part_devices[k]. Thread-safe, and never null.
+  /// Returns the quota of shard k, which is on SceneSpec::part_devices[k]. Thread-safe, and never null.
   virtual std::shared_ptr<MemoryQuota> of_shard(size_t k) const = 0;
 };
 

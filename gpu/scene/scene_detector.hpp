@@ -89,6 +89,7 @@ class SceneDetector final : public Detector {
 
   FrameResult edit(const FrameInput& frame, const FrameSettings& settings) {
     checks_.forget();
+    own_slot_ = nullptr;  // the edited scene may need its memory
     return edits_.apply(frame, settings.is_ccd(), [&] { return detect(frame, settings); });
   }
   void tell_lengths() {
@@ -153,7 +154,7 @@ class SceneDetector final : public Detector {
   } catch (...) {
   }
 
-  /// The rest of a set's frame, for the worlds that take shard in it.
+  /// The rest of a set's frame, for the worlds that take part in it.
   FrameResult detect_worlds(WorldFrames worlds, Slot& slot, const FrameSettings& settings,
                             uint64_t bytes_beside_contact) {
     FrameResult result;

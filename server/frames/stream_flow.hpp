@@ -1,10 +1,10 @@
 #pragma once
-// Flow control of one stream of frames, the same on every transport: credits, the order of edits, half-close, and what
-// a client must still be sent before its stream may end. Transports move bytes and hold a lock; they report events
-// here, and ask whether to read on and whether to end. No bytes, threads or clocks in this class.
+// Controls the flow of one stream of frames, by the same rules on every transport: credits, the order of edits,
+// half-close, and what a client must still be sent before its stream may end. Transports move bytes and hold a lock.
+// They report events here, and ask whether to read on and whether to end. This class has no bytes, threads or clocks.
 //
-// A stream has one of four phases, and beside it three facts: half-closed, frames in flight, and the frame whose edit
-// is pending.
+// A stream has one of four phases, and three more facts: whether it is half-closed, how many frames are in flight, and
+// whose edit is pending.
 //
 //   event            | unopened         | opening              | open                           | ended
 //   -----------------+------------------+----------------------+--------------------------------+--------
