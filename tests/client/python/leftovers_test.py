@@ -18,7 +18,7 @@ import unittest
 import warnings
 from unittest import mock
 
-from support import ONE, STREAMS, TIP, TRANSPORTS, Case, Supervised, lowered, main, meshes
+from support import ONE, STREAMS, TIP, TRANSPORTS, Case, Supervised, lowered, main, meshes, skip_if_forks_hang
 
 import collided
 from collided import leftovers, stream
@@ -279,6 +279,7 @@ class ClosedInACall(Case):
 
 
 class Forked(Case):
+    @skip_if_forks_hang
     def test_a_forked_process_leaves_its_parents_sessions_alone(self):
         for way in TRANSPORTS:
             session = self.session(transport=way)

@@ -12,7 +12,7 @@ import traceback
 import warnings
 from unittest import mock
 
-from support import DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np
+from support import DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np, skip_if_forks_hang
 
 import collided
 from collided.frames.updates import Update
@@ -266,6 +266,7 @@ class Sessions(Case):
         self.assertEqual(error.frame_id, 1)
         self.expect_hit(session.step({"floor": FLOOR, "tip": lowered(2)}, start={"tip": TIP}), 2)
 
+    @skip_if_forks_hang
     def test_a_forked_process_is_refused_and_leaves_the_scene_to_its_parent(self):
         for transport in TRANSPORTS:
             scene = collided.Scene(meshes(), server=self.server)

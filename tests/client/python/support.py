@@ -19,7 +19,7 @@ import time
 import unittest
 
 try:
-    import grpc  # noqa: F401
+    import grpc
     import numpy as np
 except ImportError as missing:
     print(f"skipped: {missing} (Debian: python3-grpcio, python3-numpy)")
@@ -35,6 +35,9 @@ TIP = np.array([[1, 1, 1], [1.25, 1, 9], [1, 1.25, 9]], "<f4")
 ONE = np.array([[0, 1, 2]], "<u4")
 # Python's switches, by which a warning is an error. protobuf 3.21, which Debian 13 has, makes two of its own on Python 3.13.
 STRICT = ("-W", "error", "-W", "ignore:Type google:DeprecationWarning", "-W", "ignore:datetime.datetime.utcfromtimestamp:DeprecationWarning")
+# Debian 13's grpcio waits in os.fork() for its threads, which end with the stream (github.com/grpc/grpc/issues/31885).
+skip_if_forks_hang = unittest.skipIf(grpc.__version__.startswith("1.51.") and sys.version_info >= (3, 13),
+                                     "os.fork() beside a stream never returns with grpcio 1.51 on Python 3.13; PyPI's grpcio is well")
 STREAMS = ("grpc", "shared_memory")
 TRANSPORTS = (*STREAMS, "calls")
 
