@@ -235,7 +235,7 @@ def _end_of(timeout: float | None) -> float:
     if timeout is None:
         return math.inf
     check_seconds(timeout, "timeout")
-    return math.inf if timeout > threading.TIMEOUT_MAX else time.monotonic() + timeout
+    return math.inf if timeout > threading.TIMEOUT_MAX else time.monotonic() + float(timeout)
 
 
 def _read_only(array: np.ndarray) -> np.ndarray:

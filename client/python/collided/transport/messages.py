@@ -39,7 +39,7 @@ class Messages:
             self._requests.put(True)
             self._is_requested = True
         try:
-            answer = self._answers.get(timeout=timeout)
+            answer = self._answers.get(timeout=None if timeout is None else float(timeout))
         except queue.Empty:
             return None
         self._is_requested = False
