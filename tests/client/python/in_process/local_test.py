@@ -4,7 +4,7 @@
 usage: local_test.py DAEMON COLLIDECTL REPOSITORY, with COLLIDED_LIBRARY in the environment
 """
 
-import ctypes.util
+import ctypes
 import gc
 import os
 import subprocess
