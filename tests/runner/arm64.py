@@ -26,7 +26,7 @@ from digests import digests, started  # noqa: E402
 from markdown import Page  # noqa: E402
 
 CORE = ["--label-regex", "^unit"]
-PYTHON_TESTS = ["in_process/local", "session", "contacts", "batch", "mesh", "input", "watch"]
+PYTHON_TESTS = ["in_process/local", "session", "contacts", "batch", "input", "watch"]
 PATIENCE = 3600
 OWN = REPOSITORY / "build" / "cpu-release"
 
