@@ -73,6 +73,7 @@ constexpr uint64_t position_bytes(Scalar scalar) { return scalar == Scalar::kF64
 /// one-stage forms, kVss the uniform grid with virtual subdivision that it is compared with. kAllPairs builds nothing
 /// and tests all triangles against each other, which takes small scenes the least time.
 enum class Engine { kAuto, kOctree, kTopDown, kBottomUp, kUniformGrid, kTwoLevelGrid, kLbvh, kVss, kAllPairs };
+constexpr Engine kLastEngine = Engine::kAllPairs;
 
 /// Why a frame's engine was chosen: the spec names it; no comparison yet; none yet, and the octree's counters looked
 /// wrong; it won the last comparison; a comparison is on.

@@ -1,5 +1,6 @@
 #include "server/private_folder.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -82,6 +83,14 @@ bool wait_until_gone(int daemon, int input, int milliseconds) {
   _exit(0);
 }
 
+// Lets this process get SIGTERM once the other end of a socket has closed: without `collided-tidy` nobody would see
+// that standard input closes.
+void end_with(int socket) {
+  if (fcntl(socket, F_SETOWN, getpid()) != 0 || fcntl(socket, F_SETSIG, SIGTERM) != 0 ||
+      fcntl(socket, F_SETFL, O_ASYNC) != 0)
+    throw std::system_error(errno, std::generic_category(), "fcntl");
+}
+
 }  // namespace
 
 std::string make_private_folder(double seconds_to_stop) {
@@ -101,8 +110,10 @@ std::string make_private_folder(double seconds_to_stop) {
   there = Fd();
   std::array<char, 256> reply{};
   const ssize_t size = recv(here.get(), reply.data(), reply.size(), 0);
-  const std::string folder(reply.data(), static_cast<size_t>(std::max<ssize_t>(size, 0)));
+  if (size <= 0) throw std::runtime_error("collided-tidy has ended before it made a folder for sockets");
+  const std::string folder(reply.data(), static_cast<size_t>(size));
   if (!folder.starts_with('/')) throw std::runtime_error(folder);
+  end_with(here.get());
   here.release();  // stays open until this process is gone
   return folder;
 }

@@ -80,8 +80,19 @@ class Engines {
   template <size_t... row>
   Engines(const StepContext<Exec, Real>& context, std::index_sequence<row...>) : table_((void(row), context)...) {
     static_assert((BroadPhase<std::tuple_element_t<row, Table>> && ...));
+    static_assert(each_engine_has_a_row<std::tuple_element_t<row, Table>...>(),
+                  "frames of an engine without a row would find nothing");
   }
 
+  /// Of its own: kAuto is none that searches.
+  template <class... Phase>
+  static constexpr bool each_engine_has_a_row() {
+    for (int engine = 0; engine <= static_cast<int>(kLastEngine); ++engine) {
+      const int rows = (static_cast<int>(Phase::serves(static_cast<Engine>(engine))) + ...);
+      if (rows != (static_cast<Engine>(engine) == Engine::kAuto ? 0 : 1)) return false;
+    }
+    return true;
+  }
   template <class Use>
   void for_each(const Use& use) {
     std::apply([&](auto&... phase) { (use(phase), ...); }, table_);

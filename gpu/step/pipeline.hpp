@@ -57,6 +57,7 @@ class Pipeline {
 
   /// Bounds of all vertices' ways in the step that comes, which is one of CCD, rounded outward. Waits.
   Box<float> measure_way() {
+    run_.begin();  // whoever is interrupted here has found nothing
     run_.reserve();
     exec_.reduce_into("bounds", counts_.vertices, BoxOfWay<Real>{scene_.positions_at_start(true), scene_.end.data()},
                       empty_box(), JoinBoxes{}, &context_.state()->bounds);

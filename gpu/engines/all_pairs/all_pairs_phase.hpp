@@ -31,7 +31,7 @@ template <Executor Exec, class Real>
 class AllPairsPhase : public BroadPhaseDefaults {
  public:
   static constexpr Engine kEngine = Engine::kAllPairs;
-  static bool serves(Engine engine) { return engine == kEngine; }
+  static constexpr bool serves(Engine engine) { return engine == kEngine; }
 
   explicit AllPairsPhase(const StepContext<Exec, Real>& context) : context_(context), tables_(context.exec) {}
 

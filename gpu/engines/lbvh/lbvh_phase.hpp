@@ -39,7 +39,7 @@ template <Executor Exec, class Real>
 class LbvhPhase : public BroadPhaseDefaults {
  public:
   static constexpr Engine kEngine = Engine::kLbvh;
-  static bool serves(Engine engine) { return engine == kEngine; }
+  static constexpr bool serves(Engine engine) { return engine == kEngine; }
 
   explicit LbvhPhase(const StepContext<Exec, Real>& context)
       : context_(context), exec_(context.exec), counts_(context.counts), scene_(context.scene), bvh_(context.exec) {}

@@ -23,7 +23,7 @@ template <Executor Exec, class Real>
 class OctreePhase {
  public:
   static constexpr Engine kEngine = Engine::kOctree;
-  static bool serves(Engine engine) { return is_on_octree(engine); }
+  static constexpr bool serves(Engine engine) { return is_on_octree(engine); }
 
   explicit OctreePhase(const StepContext<Exec, Real>& context)
       : context_(context), exec_(context.exec), tree_(context.exec), planner_(context.triangles()) {}

@@ -11,14 +11,14 @@
 namespace collided {
 
 /// Engines on the octree's stages whose cells are as large as the triangles, not fractions of the scene.
-inline bool has_cells_of_triangles(Engine engine) {
+constexpr bool has_cells_of_triangles(Engine engine) {
   return engine == Engine::kUniformGrid || engine == Engine::kTwoLevelGrid || engine == Engine::kVss;
 }
 /// Those of them that have one level of cells.
 inline bool has_one_level(Engine engine) { return has_cells_of_triangles(engine) && engine != Engine::kTwoLevelGrid; }
 
 /// True if the engine's stages are the octree's.
-inline bool is_on_octree(Engine engine) {
+constexpr bool is_on_octree(Engine engine) {
   return engine == Engine::kOctree || engine == Engine::kTopDown || engine == Engine::kBottomUp ||
          has_cells_of_triangles(engine);
 }

@@ -122,6 +122,15 @@ class Serves(Case):
         self.assertTrue(wait_for(lambda: not is_running(tidy)))
         self.expect_nothing_left()
 
+    def test_no_longer_than_the_process_that_would_see_its_parent_go(self):
+        daemon = self.start()
+        folder = daemon.folder()
+        (tidy,) = children(daemon.process.pid)
+        os.kill(tidy, signal.SIGKILL)
+        self.assertEqual(daemon.end(), 0)
+        self.assertEqual(list(folder.iterdir()), [])
+        folder.rmdir()
+
     def test_on_addresses_that_are_named_as_well(self):
         daemon = self.start("--address", "127.0.0.1:0", "--address", f"unix:{self.place}/mine", "--local-socket", f"{self.place}/shared")
         own, tcp, named = daemon.ready()
