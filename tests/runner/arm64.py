@@ -130,7 +130,7 @@ def daemon_digests(root, daemon):
         if not program.exists():
             return {"skipped": f"{program.relative_to(REPOSITORY)} is not built"}
     found = []
-    for command, known_as in (([own], None), (root.command(daemon), "/tmp")):
+    for command, known_as in (([own], None), (root.command(daemon, "--max-frame-seconds", "600"), "/tmp")):
         with started(command, folder=f"{root.folder}/tmp", known_as=known_as) as (address, *_):
             found.append(digests(collidectl, address, scale=0.5))
     return beside(*found)
