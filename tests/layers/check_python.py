@@ -13,11 +13,11 @@ PACKAGE = "client/python/collided"
 ROOMS = {
     "meshes": {"arrays", "choices", "errors"},
     "frames": {"arrays", "choices", "errors", "layout", "meshes", "options", "positions"},
-    "contacts": {"errors", "frames", "layout"},
+    "contacts": {"columns", "errors", "frames", "kinds", "layout"},
     "connection": {"arrays", "choices", "errors", "layout", "leftovers", "options", "programs"},
-    "in_process": {"connection", "errors", "frames", "layout", "options", "programs"},
+    "in_process": {"columns", "connection", "errors", "frames", "kinds", "layout", "options", "programs"},
     "transport": {"connection", "errors", "frames", "in_process"},
-    "gpu": {"contacts", "errors", "frames", "in_process", "layout", "leftovers", "scene", "transport"},
+    "gpu": {"columns", "contacts", "errors", "frames", "in_process", "kinds", "layout", "leftovers", "scene", "transport"},
 }
 # Packages of others, and where they may be used; numpy everywhere.
 OTHERS = {"grpc": ("errors", "connection", "transport"), "google": ("errors", "transport"), "pandas": ("contacts",)}

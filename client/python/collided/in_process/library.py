@@ -8,6 +8,7 @@ import os
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from typing import Any
 
+from collided.columns import COLUMNS
 from collided.errors import FailedPrecondition, error_of
 from collided.programs import bundled_library
 
@@ -66,9 +67,7 @@ class Frame(_Sized):
 
 
 class Contacts(_Sized):
-    _fields_ = [("struct_size", c_size_t), ("count", c_uint64), ("elements", c_void_p), ("stencils", c_void_p),
-                ("toi", c_void_p), ("distance", c_void_p), ("weights", c_void_p), ("normals", c_void_p),
-                ("flags", c_void_p)]
+    _fields_ = [("struct_size", c_size_t), ("count", c_uint64), *((name, c_void_p) for name in COLUMNS)]
 
 
 class Facts(_Sized):
