@@ -43,7 +43,7 @@ void SceneStore::place(ScenePlan& plan) const {
   plan.engine.device = placed.device;
   if (placed.threads > 0) plan.engine.threads = placed.threads;
   plan.quota = std::move(placed.quota);
-  plan.parts = std::move(placed.parts);
+  plan.shards = std::move(placed.shards);
 }
 
 SceneUse SceneStore::repeated_locked(const Client& owner, const SceneRequest& request) const {

@@ -15,7 +15,7 @@ namespace collided::cli {
 struct ServerOptions {
   std::string server;  ///< empty: start one
   std::string backend = "auto";
-  std::vector<std::string> part_devices;  ///< ids of the devices of a scene in parts; empty: it is on one
+  std::vector<std::string> part_devices;  ///< ids of the devices of a scene's shards; empty: it is on one
   int threads = 0;
   std::string token_file, tls_ca, tls_certificate, tls_key;  ///< for a running daemon
   std::string daemon_user;  ///< name or id of another user who may listen on the local socket

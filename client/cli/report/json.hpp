@@ -17,7 +17,7 @@ std::string json_text(const Json& json);
 /// The same as the lines of a file, indented, with an end of line.
 std::string json_lines(const Json& json);
 Json scene_json(const v1::Scene& scene);
-/// Ids of the devices of a scene in parts, in order.
+/// Ids of the devices of a scene's shards, in order.
 Json part_devices_json(const v1::SceneSpec& spec);
 /// Milliseconds of each stage by name, in their order; a stage that ran twice is summed.
 Json stages_json(const v1::FrameMetrics& metrics);
