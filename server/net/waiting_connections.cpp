@@ -1,5 +1,5 @@
 // Accepted connections that gRPC does not have yet.
-#include "server/net/waiting_room.hpp"
+#include "server/net/waiting_connections.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -27,16 +27,16 @@ bool has_left(int socket) {
   return poll(&state, 1, 0) > 0;
 }
 
-void WaitingRoom::add(Connection connection) { waiting_.push_back(std::move(connection)); }
+void WaitingConnections::add(Connection connection) { waiting_.push_back(std::move(connection)); }
 
-void WaitingRoom::watch(std::vector<pollfd>& states) const {
+void WaitingConnections::watch(std::vector<pollfd>& states) const {
   for (const Connection& one : waiting_) {
     const int events = one.has_sent ? POLLRDHUP : POLLIN | POLLRDHUP;
     states.push_back({one.fd.get(), static_cast<short>(events), 0});
   }
 }
 
-void WaitingRoom::update(const pollfd* states, Clock::time_point now) {
+void WaitingConnections::update(const pollfd* states, Clock::time_point now) {
   const auto max_wait = waiting_.size() > kMany ? kMaxWaitOfMany : kMaxWait;
   std::erase_if(waiting_, [&](Connection& one) {
     const auto events = (states++)->revents;
@@ -45,7 +45,7 @@ void WaitingRoom::update(const pollfd* states, Clock::time_point now) {
   });
 }
 
-WaitingRoom::Connection WaitingRoom::next(Clock::time_point now) {
+WaitingConnections::Connection WaitingConnections::next(Clock::time_point now) {
   if (!may_hand_over(now)) return Connection{Fd(), 0, {}, now};
   // Sources have their turns in the order of their names, beginning after the last one.
   const auto has_earlier_turn = [&](const Connection& a, const Connection& b) {
@@ -62,12 +62,12 @@ WaitingRoom::Connection WaitingRoom::next(Clock::time_point now) {
   return connection;
 }
 
-size_t WaitingRoom::ready() const {
+size_t WaitingConnections::ready() const {
   return static_cast<size_t>(std::ranges::count_if(waiting_, &Connection::has_sent));
 }
 
 // What a client that has left had sent is still being worked at until gRPC closes the connection.
-bool WaitingRoom::may_hand_over(Clock::time_point now) {
+bool WaitingConnections::may_hand_over(Clock::time_point now) {
   std::erase_if(unread_, [&](const Unread& one) {
     const bool is_closed = inode_of(one.socket) != one.inode;
     return is_closed || (!has_unread(one.socket) && !has_left(one.socket)) || now - one.since > kMaxTimeUnread;

@@ -19,7 +19,7 @@ namespace collided::server {
 bool has_left(int socket);
 
 /// For one thread.
-class WaitingRoom {
+class WaitingConnections {
  public:
   using Clock = std::chrono::steady_clock;
   struct Connection {
@@ -31,7 +31,7 @@ class WaitingRoom {
   };
 
   /// `max_unread`: connections that gRPC has and has not read yet.
-  explicit WaitingRoom(size_t max_unread) : max_unread_(max_unread) {}
+  explicit WaitingConnections(size_t max_unread) : max_unread_(max_unread) {}
 
   void add(Connection connection);
   /// Appends what to wait for: first bytes, or ends.

@@ -1,5 +1,5 @@
 // Connections wait until their first bytes have come and it is their turn.
-#include "server/net/waiting_room.hpp"
+#include "server/net/waiting_connections.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,25 +16,25 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-class Room : public testing::Test {
+class Waiting : public testing::Test {
  protected:
   /// A connection that has sent `bytes`. Returns its client's end.
   int come(const std::string& source, const std::string& bytes = "hello") {
     Pair& pair = pairs_.emplace_back(listener_);
     send(pair.client.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     EXPECT_TRUE(bytes.empty() || eventually([&] { return has_unread(pair.server.get()); }));
-    room_.add({std::move(pair.server), pairs_.size() - 1, source});
+    waiting_.add({std::move(pair.server), pairs_.size() - 1, source});
     return pair.client.get();
   }
-  void look(WaitingRoom::Clock::time_point now = WaitingRoom::Clock::now()) {
+  void look(WaitingConnections::Clock::time_point now = WaitingConnections::Clock::now()) {
     std::vector<pollfd> states;
-    room_.watch(states);
+    waiting_.watch(states);
     poll(states.data(), states.size(), 0);
-    room_.update(states.data(), now);
+    waiting_.update(states.data(), now);
   }
   /// The number of the next connection; -1 if none may have its turn.
-  int next(WaitingRoom::Clock::time_point now = WaitingRoom::Clock::now()) {
-    auto connection = room_.next(now);
+  int next(WaitingConnections::Clock::time_point now = WaitingConnections::Clock::now()) {
+    auto connection = waiting_.next(now);
     if (!connection.fd) return -1;
     handed_over_.push_back(std::move(connection.fd));
     return static_cast<int>(connection.place);
@@ -47,22 +47,22 @@ class Room : public testing::Test {
   const Listener listener_{"127.0.0.1:0"};
   std::deque<Pair> pairs_;
   std::vector<Fd> handed_over_;
-  WaitingRoom room_{4};
+  WaitingConnections waiting_{4};
 };
 
-TEST_F(Room, WhoSendsNothingWaitsAndIsClosedAfterTenSeconds) {
+TEST_F(Waiting, WhoSendsNothingWaitsAndIsClosedAfterTenSeconds) {
   const int client = come("a", "");
   look();
-  EXPECT_EQ(room_.size(), 1u);
-  EXPECT_EQ(room_.ready(), 0u);
+  EXPECT_EQ(waiting_.size(), 1u);
+  EXPECT_EQ(waiting_.ready(), 0u);
   EXPECT_EQ(next(), -1);
-  look(WaitingRoom::Clock::now() + seconds(11));
-  EXPECT_EQ(room_.size(), 0u);
+  look(WaitingConnections::Clock::now() + seconds(11));
+  EXPECT_EQ(waiting_.size(), 0u);
   char byte;
   EXPECT_TRUE(eventually([&] { return recv(client, &byte, 1, MSG_DONTWAIT) == 0; }));
 }
 
-TEST_F(Room, AFewHaveUnreadBytesAtATime) {
+TEST_F(Waiting, AFewHaveUnreadBytesAtATime) {
   for (int i = 0; i < 6; ++i) come(std::to_string(i));
   look();
   for (int i = 0; i < 4; ++i) EXPECT_EQ(next(), i);
@@ -74,7 +74,7 @@ TEST_F(Room, AFewHaveUnreadBytesAtATime) {
   EXPECT_EQ(next(), 5);
 }
 
-TEST_F(Room, WhatAClientThatLeftHadSentIsWorkUntilGrpcCloses) {
+TEST_F(Waiting, WhatAClientThatLeftHadSentIsWorkUntilGrpcCloses) {
   for (int i = 0; i < 5; ++i) come(std::to_string(i));
   look();
   for (int i = 0; i < 4; ++i) EXPECT_EQ(next(), i);
@@ -85,43 +85,43 @@ TEST_F(Room, WhatAClientThatLeftHadSentIsWorkUntilGrpcCloses) {
   EXPECT_EQ(next(), 4);
 }
 
-TEST_F(Room, OnABusyMachineOthersHaveTheirTurnAfterASecond) {
+TEST_F(Waiting, OnABusyMachineOthersHaveTheirTurnAfterASecond) {
   for (int i = 0; i < 5; ++i) come(std::to_string(i));
   look();
-  const auto now = WaitingRoom::Clock::now();
+  const auto now = WaitingConnections::Clock::now();
   for (int i = 0; i < 4; ++i) EXPECT_EQ(next(now), i);
   EXPECT_EQ(next(now + milliseconds(900)), -1);
   EXPECT_EQ(next(now + milliseconds(1100)), 4);
 }
 
-TEST_F(Room, WhoHasLeftIsNeverHandedOver) {
+TEST_F(Waiting, WhoHasLeftIsNeverHandedOver) {
   for (int i = 0; i < 100; ++i) {
     come("a", std::string(1000, 'x'));
     pairs_.back().client = Fd();
   }
   come("b");
   look();
-  EXPECT_EQ(room_.size(), 1u);
+  EXPECT_EQ(waiting_.size(), 1u);
   EXPECT_EQ(next(), 100);
   EXPECT_EQ(next(), -1);
 }
 
-TEST_F(Room, WhereManyWaitForTheirTurnTheyWaitForTwoSeconds) {
+TEST_F(Waiting, WhereManyWaitForTheirTurnTheyWaitForTwoSeconds) {
   come("a", "");
   for (int i = 0; i < 32; ++i) come("a");
   look();
-  look(WaitingRoom::Clock::now() + milliseconds(1500));
-  EXPECT_EQ(room_.ready(), 32u);
-  look(WaitingRoom::Clock::now() + milliseconds(2500));
-  EXPECT_EQ(room_.ready(), 0u);
-  EXPECT_EQ(room_.size(), 1u);
+  look(WaitingConnections::Clock::now() + milliseconds(1500));
+  EXPECT_EQ(waiting_.ready(), 32u);
+  look(WaitingConnections::Clock::now() + milliseconds(2500));
+  EXPECT_EQ(waiting_.ready(), 0u);
+  EXPECT_EQ(waiting_.size(), 1u);
   for (int i = 0; i < 31; ++i) come("a");
   look();
-  look(WaitingRoom::Clock::now() + seconds(9));
-  EXPECT_EQ(room_.ready(), 31u);
+  look(WaitingConnections::Clock::now() + seconds(9));
+  EXPECT_EQ(waiting_.ready(), 31u);
 }
 
-TEST_F(Room, SourcesHaveTheirTurnsAndTheNewestOfEachComesFirst) {
+TEST_F(Waiting, SourcesHaveTheirTurnsAndTheNewestOfEachComesFirst) {
   for (int i = 0; i < 10; ++i) come("many");
   come("one");
   come("other");
