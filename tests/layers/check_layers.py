@@ -177,11 +177,12 @@ CLIENT_RULES = [
     (r"client/in_process/", r"client/(?!in_process/|cpp/)", "the engine in a process is a part of the C++ library"),
     (r"client/(?!in_process/)", r"client/in_process/", "what is linked with the client alone knows no engine"),
     (r"client/in_process/local\.hpp$", r"server/|client/cpp/transport/", "public headers show nothing inside"),
-    (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands share knows no command and no measurement"),
-    (r"client/measure/", r"client/cli/\w+\.hpp$", "measurements know no command"),
-    (r"client/(measure|cli/(batch|daemon|dataset|input|live|output|picture|recording|report|web))/", r"CLI/|client/cli/options/(?!values|usage_error)",
+    (r"client/app/", r"client/(cli|measure)/", "what commands and measurements share knows neither"),
+    (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands do knows no command and no measurement"),
+    (r"client/measure/", r"client/cli/", "measurements know no command"),
+    (r"client/(measure|app/(daemon|input|output|report)|cli/(batch|dataset|live|picture|recording|web))/", r"CLI/|client/app/options/(?!values|usage_error)",
      "what options have chosen is in options/values.hpp; CLI11 takes longer to compile than all else"),
-    (r"client/cli/(?!web/page_server\.cpp)", r"boost/(asio|beast)", "Boost.Beast, slow to compile, stays in web/page_server.cpp"),
+    (r"client/(?!cli/web/page_server\.cpp)(app|cli)/", r"boost/(asio|beast)", "Boost.Beast, slow to compile, stays in web/page_server.cpp"),
 ]
 
 

@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-#include "client/cli/report/numbers.hpp"
+#include "client/app/report/numbers.hpp"
 
 namespace collided::cli::load {
 

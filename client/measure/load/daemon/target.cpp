@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "client/cli/output/progress.hpp"
+#include "client/app/output/progress.hpp"
 #include "client/measure/load/daemon/limits.hpp"
 
 namespace collided::cli::load {
