@@ -168,9 +168,7 @@ class EngineScene:
 
     def _frame(self, head: frame_pb2.Frame, updates: list[Update]) -> library.Frame:
         array = (library.Update * len(updates))(*(_update(update) for update in updates))
-        frame = library.Frame(updates=array, update_count=len(updates), mode=head.mode, accuracy=head.accuracy,
-                              report=head.report, ignore_separating=head.ignore_separating, advance=head.advance,
-                              trial=head.trial, cancelled=self._ask)
+        frame = library.Frame(head, updates=array, update_count=len(updates), cancelled=self._ask)
         if head.HasField("delta"):
             frame.delta = ctypes.pointer(ctypes.c_double(head.delta))
         if head.HasField("from_last_fraction"):
@@ -231,12 +229,9 @@ def _spec(spec: scene_pb2.SceneSpec, layout: Layout, keep: list[np.ndarray]) -> 
             excludes_rest_pairs=asked.exclude_rest_pairs)
     excluded = [mesh for pair in spec.excluded_meshes for mesh in (pair.first, pair.second)]
     out = library.SceneSpec(
-        meshes=meshes, mesh_count=len(meshes), excluded_meshes=borrowed(excluded), excluded_mesh_count=len(excluded) // 2,
+        spec, meshes=meshes, mesh_count=len(meshes), excluded_meshes=borrowed(excluded), excluded_mesh_count=len(excluded) // 2,
         device=_device(spec), kinds=sum(1 << (kind - 1) for kind in set(spec.kinds)),
-        fields=sum(1 << (field - 1) for field in set(spec.fields)), memory_budget=spec.memory_budget_bytes,
-        **{name: getattr(spec, name) for name in (
-            "mode", "accuracy", "report", "position_format", "broad_phase_engine", "reuse", "thickness", "delta",
-            "min_separation", "rest_distance", "expected_contacts")})
+        fields=sum(1 << (field - 1) for field in set(spec.fields)), memory_budget=spec.memory_budget_bytes)
     if spec.HasField("quantization_box"):
         box = (*spec.quantization_box.lower, *spec.quantization_box.upper)
         out.quantized_in = (ctypes.c_double * 6)(*box)

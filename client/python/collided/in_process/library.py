@@ -14,14 +14,19 @@ from collided.programs import bundled_library
 
 _ABI = 1  # COLLIDED_ABI_VERSION
 _NAME = f"libcollided.so.{_ABI}"
+_NUMBERS = (c_double, c_int32, c_uint32, c_uint64)
 CANCELLED = ctypes.CFUNCTYPE(c_int32, c_void_p)
 
 
 class _Sized(ctypes.Structure):
     """A structure whose first member is its size."""
 
-    def __init__(self, **members: Any) -> None:
-        super().__init__(struct_size=ctypes.sizeof(self), **members)
+    def __init__(self, message: Any = None, **members: Any) -> None:
+        """Numbers that the protocol's message has by the same names are members, too, unless they are given otherwise."""
+        same = () if message is None else message.DESCRIPTOR.fields_by_name
+        numbers = {name: getattr(message, name) for name, kind, *_ in self._fields_ if name in same and kind in _NUMBERS
+                   and name not in members}
+        super().__init__(struct_size=ctypes.sizeof(self), **numbers, **members)
 
 
 class Mesh(_Sized):
