@@ -95,10 +95,11 @@ uint32_t contact_bytes_of(ContactKind kind, FieldSet made, const OutputFields& w
 }
 
 void fill_contact_bytes(const SceneEstimate& estimate, const OutputFields& fields, pb::ContactBytes* out) {
-  const auto bytes = [&](ContactKind kind, FieldSet made) { return contact_bytes_of(kind, made, fields); };
-  out->set_vertex_triangle(bytes(ContactKind::kVertexTriangle, estimate.fields.vertex_triangle));
-  out->set_edge_edge(bytes(ContactKind::kEdgeEdge, estimate.fields.edge_edge));
-  out->set_triangle_triangle(bytes(ContactKind::kTriangleTriangle, estimate.fields.triangle_triangle));
+  PerKind<uint32_t> bytes;
+  for_each_kind(
+      [&](ContactKind kind, FieldSet made, uint32_t& of_kind) { of_kind = contact_bytes_of(kind, made, fields); },
+      estimate.fields, bytes);
+  fill_bytes_of_kinds(bytes, out);
 }
 
 // "max-device-mb" is max_device_bytes.
