@@ -13,9 +13,8 @@
 namespace collided::server {
 namespace {
 
-constexpr int kMaxThreads = 4096;                            // as --threads has it
-constexpr uint64_t kMaxMessageBytes = uint64_t{2047} << 20;  // the most that --max-message-mb can set
-constexpr double kUnlimited = 1e9;                           // frames a second, and seconds of a frame
+constexpr int kMaxThreads = 4096;   // as --threads has it
+constexpr double kUnlimited = 1e9;  // frames a second, and seconds of a frame
 
 void check_number(const char* field, int value, int max) {
   if (value < 0 || value > max)
@@ -36,8 +35,8 @@ void check(const InProcessOptions& options) {
 // There is one client, which has what others would share, and nobody who would have to wait for its frames.
 Limits limits_of(const Config& config, uint64_t max_device_bytes) {
   Limits limits = underived_limits();
-  limits.max_message_bytes =
-      kMaxMessageBytes;  // which bounds the first frame of a scene, too, though none is a message
+  // It bounds the first frame of a scene, too, though none is a message.
+  limits.max_message_bytes = kMaxMessageMegabytes << 20;
   limits.max_device_bytes = max_device_bytes;
   derive_limits(limits, usable_memory(config));
   limits.max_scene_bytes = limits.client.max_device_bytes = limits.max_device_bytes;

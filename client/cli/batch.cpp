@@ -3,14 +3,14 @@
 #include <cstdio>
 #include <memory>
 
+#include "client/app/options/exclusion_options.hpp"
+#include "client/app/options/options.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/report/numbers.hpp"
 #include "client/cli/batch/outcome.hpp"
 #include "client/cli/batch/run.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/options/exclusion_options.hpp"
-#include "client/cli/options/options.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/output.hpp"
-#include "client/cli/report/numbers.hpp"
 
 namespace collided::cli {
 

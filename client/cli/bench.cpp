@@ -4,11 +4,11 @@
 #include <exception>
 #include <memory>
 
+#include "client/app/options/options.hpp"
+#include "client/app/options/scene_options.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/output.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/options/options.hpp"
-#include "client/cli/options/scene_options.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/output.hpp"
 #include "client/measure/bench/output.hpp"
 #include "client/measure/bench/run.hpp"
 #include "client/measure/end_to_end/run.hpp"

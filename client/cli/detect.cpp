@@ -6,20 +6,20 @@
 #include <memory>
 #include <utility>
 
+#include "client/app/daemon/connection.hpp"
+#include "client/app/input/frame_files.hpp"
+#include "client/app/input/mesh_input.hpp"
+#include "client/app/input/step_input.hpp"
+#include "client/app/options/exclusion_options.hpp"
+#include "client/app/options/options.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/contact_files.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/report/contacts.hpp"
+#include "client/app/report/frame_line.hpp"
+#include "client/app/report/text.hpp"
+#include "client/app/report/touching.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/input/frame_files.hpp"
-#include "client/cli/input/mesh_input.hpp"
-#include "client/cli/input/step_input.hpp"
-#include "client/cli/options/exclusion_options.hpp"
-#include "client/cli/options/options.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/contact_files.hpp"
-#include "client/cli/output/output.hpp"
-#include "client/cli/report/contacts.hpp"
-#include "client/cli/report/frame_line.hpp"
-#include "client/cli/report/text.hpp"
-#include "client/cli/report/touching.hpp"
 
 namespace collided::cli {
 

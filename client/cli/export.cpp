@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "client/app/daemon/interrupt.hpp"
+#include "client/app/options/scene_options.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/output/progress.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/daemon/interrupt.hpp"
-#include "client/cli/options/scene_options.hpp"
-#include "client/cli/output/output.hpp"
-#include "client/cli/output/progress.hpp"
 #include "client/scenes/mesh_files/mesh_file.hpp"
 
 namespace collided::cli {

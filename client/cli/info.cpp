@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <memory>
 
+#include "client/app/daemon/connection.hpp"
+#include "client/app/options/options.hpp"
+#include "client/app/report/json.hpp"
+#include "client/app/report/text.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/options/options.hpp"
-#include "client/cli/report/json.hpp"
-#include "client/cli/report/text.hpp"
 
 namespace collided::cli {
 

@@ -7,11 +7,11 @@
 #include <map>
 #include <memory>
 
+#include "client/app/options/options.hpp"
+#include "client/app/options/scene_options.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/output.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/options/options.hpp"
-#include "client/cli/options/scene_options.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/output.hpp"
 #include "client/measure/load/run.hpp"
 #include "client/scenes/scene.hpp"
 

@@ -10,12 +10,12 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "client/app/daemon/interrupt.hpp"
+#include "client/app/options/usage.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/output.hpp"
 #include "client/cli/batch/outcome.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/daemon/interrupt.hpp"
-#include "client/cli/options/usage.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/output.hpp"
 #include "deploy/version/version.hpp"
 
 namespace {

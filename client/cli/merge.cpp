@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <memory>
 
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/report/numbers.hpp"
 #include "client/cli/batch/outcome.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/output.hpp"
-#include "client/cli/report/numbers.hpp"
 
 namespace collided::cli {
 

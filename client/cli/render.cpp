@@ -6,19 +6,19 @@
 #include <optional>
 #include <utility>
 
+#include "client/app/daemon/connection.hpp"
+#include "client/app/input/frame_files.hpp"
+#include "client/app/input/mesh_input.hpp"
+#include "client/app/input/motion.hpp"
+#include "client/app/input/step_input.hpp"
+#include "client/app/options/options.hpp"
+#include "client/app/options/scene_options.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/numbered.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/report/frame_line.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/input/frame_files.hpp"
-#include "client/cli/input/mesh_input.hpp"
-#include "client/cli/input/motion.hpp"
-#include "client/cli/input/step_input.hpp"
-#include "client/cli/options/options.hpp"
-#include "client/cli/options/scene_options.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/numbered.hpp"
-#include "client/cli/output/output.hpp"
 #include "client/cli/picture/draw.hpp"
-#include "client/cli/report/frame_line.hpp"
 
 namespace collided::cli {
 

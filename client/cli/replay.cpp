@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <memory>
 
+#include "client/app/daemon/connection.hpp"
+#include "client/app/options/options.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/options/options.hpp"
 #include "client/cli/recording/meshes.hpp"
 #include "client/cli/recording/reader.hpp"
 #include "client/measure/play/run.hpp"

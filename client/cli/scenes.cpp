@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "client/app/report/json.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/report/json.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace collided::cli {

@@ -4,13 +4,13 @@
 #include <exception>
 #include <memory>
 
+#include "client/app/daemon/interrupt.hpp"
+#include "client/app/options/finite.hpp"
+#include "client/app/options/options.hpp"
+#include "client/app/options/scene_options.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/output.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/daemon/interrupt.hpp"
-#include "client/cli/options/finite.hpp"
-#include "client/cli/options/options.hpp"
-#include "client/cli/options/scene_options.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/output.hpp"
 #include "client/measure/tradeoff/report.hpp"
 #include "client/measure/tradeoff/result_json.hpp"
 #include "client/measure/tradeoff/run.hpp"

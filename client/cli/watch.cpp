@@ -9,21 +9,21 @@
 #include <optional>
 #include <thread>
 
+#include "client/app/daemon/connection.hpp"
+#include "client/app/daemon/interrupt.hpp"
+#include "client/app/options/finite.hpp"
+#include "client/app/options/options.hpp"
+#include "client/app/options/scene_options.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/report/digest.hpp"
+#include "client/app/report/frame_line.hpp"
+#include "client/app/report/numbers.hpp"
+#include "client/app/report/text.hpp"
 #include "client/cli/commands.hpp"
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/daemon/interrupt.hpp"
 #include "client/cli/live/live_table.hpp"
 #include "client/cli/live/screen.hpp"
-#include "client/cli/options/finite.hpp"
-#include "client/cli/options/options.hpp"
-#include "client/cli/options/scene_options.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/output.hpp"
 #include "client/cli/recording/live.hpp"
-#include "client/cli/report/digest.hpp"
-#include "client/cli/report/frame_line.hpp"
-#include "client/cli/report/numbers.hpp"
-#include "client/cli/report/text.hpp"
 
 namespace collided::cli {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 
 namespace collided::cli {
 

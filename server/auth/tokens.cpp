@@ -7,6 +7,8 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 #include "server/auth/secret_file.hpp"
 #include "server/config/accuracy_names.hpp"
@@ -18,7 +20,19 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = 4 << 20;
 constexpr size_t kMaxTokens = 1'000, kMaxName = 64, kMinToken = 16, kMaxToken = 512;
-constexpr double kMaxCount = 1'000'000, kMaxMegabytes = 1 << 24, kMaxRate = 1e9, kMaxFrameSeconds = 1e6;
+constexpr std::string_view kOfClients = "-per-client";
+
+// All limits of a token are its client's, so its keys need not say so.
+std::string key_of(std::string_view option) {
+  if (option.ends_with(kOfClients)) option.remove_suffix(kOfClients.size());
+  return std::string(option);
+}
+
+std::vector<std::string> token_keys() {
+  std::vector<std::string> keys = {"name", "token", "sha256"};
+  for_each_client_limit([&](const auto& row) { keys.push_back(key_of(row.option)); });
+  return keys;
+}
 
 // One [[tokens]], with its line for error messages.
 class Entry {
@@ -26,8 +40,9 @@ class Entry {
   Entry(const std::string& path, const toml::value& value)
       : where_(path + ":" + std::to_string(line_of(value)) + ": "), value_(value) {
     if (!value.is_table()) refuse("tokens must be tables: [[tokens]]");
+    const auto keys = token_keys();
     for (const auto& [key, unused] : value.as_table())
-      if (std::ranges::find(kKeys, key) == std::end(kKeys)) refuse(unknown_key());
+      if (std::ranges::find(keys, key) == keys.end()) refuse(unknown_key(keys));
   }
 
   Token read(const ClientLimits& defaults) const {
@@ -41,33 +56,23 @@ class Entry {
   [[noreturn]] void refuse(const std::string& what) const { throw ConfigError(where_ + what); }
 
  private:
-  static constexpr std::string_view kKeys[] = {"name",
-                                               "token",
-                                               "sha256",
-                                               "max-scenes",
-                                               "max-device-mb",
-                                               "max-streams",
-                                               "max-frames-per-second",
-                                               "max-frame-seconds",
-                                               "max-accuracy"};
-
   // A key may be a token that was put in the wrong place, so it is not quoted.
-  static std::string unknown_key() {
+  static std::string unknown_key(const std::vector<std::string>& keys) {
     std::string what = "has a key that no token has; there are";
-    for (const std::string_view key : kKeys) what.append(key == kKeys[0] ? " " : ", ").append(key);
+    for (const std::string& key : keys) what.append(key == keys[0] ? " " : ", ").append(key);
     return what;
   }
 
-  bool has(const char* key) const { return value_.contains(key); }
+  bool has(const std::string& key) const { return value_.contains(key); }
 
-  std::string text(const char* key, size_t min, size_t max) const {
-    if (!has(key) || !value_.at(key).is_string()) refuse(std::string(key) + " is not a string");
+  std::string text(const std::string& key, size_t min, size_t max) const {
+    if (!has(key) || !value_.at(key).is_string()) refuse(key + " is not a string");
     const std::string text = text_in(value_.at(key));
     if (text.size() < min || text.size() > max)
-      refuse(std::string(key) + " has " + std::to_string(text.size()) + " bytes, not " + std::to_string(min) + " to " +
+      refuse(key + " has " + std::to_string(text.size()) + " bytes, not " + std::to_string(min) + " to " +
              std::to_string(max));
     if (!std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; }))
-      refuse(std::string(key) + " must have printable ASCII characters only, and no blanks");
+      refuse(key + " must have printable ASCII characters only, and no blanks");
     return text;
   }
 
@@ -84,9 +89,9 @@ class Entry {
     return digest;
   }
 
-  double number(const char* key, double min, double max) const {
+  double number(const std::string& key, double min, double max) const {
     const auto& value = value_.at(key);
-    if (!value.is_integer() && !value.is_floating()) refuse(std::string(key) + " is not a number");
+    if (!value.is_integer() && !value.is_floating()) refuse(key + " is not a number");
     const double number = value.is_integer() ? static_cast<double>(value.as_integer()) : value.as_floating();
     if (number >= min && number <= max) return number;
     std::ostringstream what;
@@ -94,25 +99,27 @@ class Entry {
     refuse(what.str());
   }
 
-  Accuracy accuracy() const {
-    const auto named = accuracy_named(text("max-accuracy", 1, kMaxName));
-    if (!named) refuse("max-accuracy must be candidates, fast, guarded, certified or exact");
+  // Nothing of a token's limit is derived: 0 is no number that it may have.
+  template <class T>
+  T limit(const std::string& key, const LimitRow<T>& row) const {
+    const double number = this->number(key, 1, static_cast<double>(row.max));
+    if (number != std::floor(number)) refuse(key + " is not a whole number");
+    return row.limit_of(static_cast<T>(number));
+  }
+
+  double limit(const std::string& key, const LimitRow<double>& row) const { return number(key, row.min, row.max); }
+
+  Accuracy limit(const std::string& key, const LimitRow<Accuracy>&) const {
+    const auto named = accuracy_named(text(key, 1, kMaxName));
+    if (!named) refuse(key + " must be candidates, fast, guarded, certified or exact");
     return *named;
   }
 
-  uint64_t count(const char* key, double max) const {
-    const double number = this->number(key, 1, max);
-    if (number != std::floor(number)) refuse(std::string(key) + " is not a whole number");
-    return static_cast<uint64_t>(number);
-  }
-
   void set_limits(ClientLimits& limits) const {
-    if (has("max-scenes")) limits.max_scenes = static_cast<uint32_t>(count("max-scenes", kMaxCount));
-    if (has("max-device-mb")) limits.max_device_bytes = count("max-device-mb", kMaxMegabytes) << 20;
-    if (has("max-streams")) limits.max_streams = static_cast<uint32_t>(count("max-streams", kMaxCount));
-    if (has("max-frame-seconds")) limits.max_frame_seconds = number("max-frame-seconds", 0.001, kMaxFrameSeconds);
-    if (has("max-accuracy")) limits.max_accuracy = accuracy();
-    if (has("max-frames-per-second")) limits.max_frames_per_second = number("max-frames-per-second", 0.01, kMaxRate);
+    const auto set = [this](const auto& row, auto& value) {
+      if (const std::string key = key_of(row.option); has(key)) value = limit(key, row);
+    };
+    for_each_client_limit(set, limits);
   }
 
   std::string where_;

@@ -8,44 +8,9 @@
 
 #include "gpu/detector.hpp"
 #include "server/config/file/config_error.hpp"
+#include "server/config/limits.hpp"
 
 namespace collided::server {
-
-/// Limits of one client; a token may set its own. Scenes, bytes and streams default to a quarter of the daemon's.
-struct ClientLimits {
-  uint32_t max_scenes = 16;
-  uint64_t max_device_bytes = uint64_t{1} << 30;
-  uint32_t max_streams = 64;
-  double max_frames_per_second = 20'000;
-  double max_frame_seconds = 10;  ///< of work on one frame, without the wait for its turn
-  Accuracy max_accuracy = Accuracy::kExact;
-
-  bool operator==(const ClientLimits&) const = default;
-};
-
-/// All finite. A request that exceeds one is refused, naming the limit. Limits that derive_limits() (memory_limits.hpp)
-/// fills default here to its values for a host of 8 GiB.
-struct Limits {
-  uint64_t max_message_bytes = uint64_t{64} << 20;
-  uint64_t max_decode_bytes = uint64_t{256} << 20;  ///< memory of the messages of all calls
-  uint64_t max_vertices = 64'000'000;
-  uint64_t max_triangles = 128'000'000;
-  uint32_t max_scenes = 64;
-  uint64_t max_scene_bytes = uint64_t{1} << 30;
-  uint64_t max_device_bytes = uint64_t{4} << 30;     ///< of all scenes
-  uint64_t max_network_bytes = uint64_t{512} << 20;  ///< gRPC's buffers of all connections
-  uint32_t max_connections = 0;                      ///< of gRPC; 0: half of the file descriptors, at most 1,024
-  uint32_t max_connections_per_peer = 0;             ///< of an address, or a user over Unix sockets; 0: as many
-  uint32_t max_window = 16;
-  uint32_t max_streams = 256;
-  double max_idle_seconds = 3600;
-  double max_silent_seconds = 10;  ///< wait for a stream's opening, a call's message, an upload's next chunk
-  double lease_seconds = 30;       ///< of scenes that request none
-  double max_lease_seconds = 3600;
-  ClientLimits client;
-
-  bool operator==(const Limits&) const = default;
-};
 
 /// Seconds between the pings of a gRPC client, at least, while it gets no answers. A client that looks whether the
 /// daemon still lives needs none more often than once a second.

@@ -37,9 +37,10 @@ std::string megabytes(uint64_t bytes) { return std::to_string(bytes / kMegabyte)
 
 Limits underived_limits() {
   Limits limits;
-  limits.max_scene_bytes = limits.max_device_bytes = limits.client.max_device_bytes = 0;
-  limits.max_network_bytes = limits.max_decode_bytes = 0;
-  limits.client.max_scenes = limits.client.max_streams = 0;
+  const auto unset = [](const auto& row, auto& limit) {
+    if (row.is_derived()) limit = {};
+  };
+  for_each_limit(unset, limits);
   return limits;
 }
 

@@ -14,12 +14,8 @@ void set_private_defaults(Config& config) {
   config.addresses.clear();
   if (overcommits_memory()) config.local_socket = kInItsFolder;
   config.log_level = "warning";
-  config.limits.max_message_bytes = uint64_t{2047} << 20;
-  config.limits.client = {.max_scenes = 1'000'000,
-                          .max_device_bytes = uint64_t{1 << 24} << 20,
-                          .max_streams = 1'000'000,
-                          .max_frames_per_second = 1e9,
-                          .max_frame_seconds = 1e6};
+  config.limits.max_message_bytes = kMaxMessageMegabytes << 20;
+  for_each_client_limit([](const auto& row, auto& limit) { limit = row.limit_of(row.max); }, config.limits.client);
 }
 
 void add_private_sockets(Config& config, const std::string& folder) {

@@ -54,9 +54,10 @@ Reloaded reload_config(int argc, const char* const* argv, const Config& current,
   keeper.keep("keepalive-timeout-seconds", now.keepalive_timeout_seconds, current.keepalive_timeout_seconds);
   if (const uint64_t calls = max_calls_of_connection(current.limits); max_calls_of_connection(now.limits) > calls)
     reloaded.restart.push_back("max-streams, as to more than " + std::to_string(calls) + " calls of one connection,");
-  keeper.keep("max-message-mb", now.limits.max_message_bytes, current.limits.max_message_bytes);
-  keeper.keep("max-network-mb", now.limits.max_network_bytes, current.limits.max_network_bytes);
-  keeper.keep("max-decode-mb", now.limits.max_decode_bytes, current.limits.max_decode_bytes);
+  const auto keep = [&](const auto& row, auto& after, const auto& before) {
+    if (row.change == LimitChange::kAfterRestart) keeper.keep(row.option, after, before);
+  };
+  for_each_limit(keep, now.limits, current.limits);
   return reloaded;
 }
 

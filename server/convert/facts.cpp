@@ -1,6 +1,12 @@
 // Facts about scenes, devices and limits.
 #include "server/convert/facts.hpp"
 
+#include <google/protobuf/descriptor.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
 #include "gpu/stencil.hpp"
 #include "server/convert/kinds.hpp"
 #include "server/convert/meshes.hpp"
@@ -89,10 +95,41 @@ uint32_t contact_bytes_of(ContactKind kind, FieldSet made, const OutputFields& w
 }
 
 void fill_contact_bytes(const SceneEstimate& estimate, const OutputFields& fields, pb::ContactBytes* out) {
-  const auto bytes = [&](ContactKind kind, FieldSet made) { return contact_bytes_of(kind, made, fields); };
-  out->set_vertex_triangle(bytes(ContactKind::kVertexTriangle, estimate.fields.vertex_triangle));
-  out->set_edge_edge(bytes(ContactKind::kEdgeEdge, estimate.fields.edge_edge));
-  out->set_triangle_triangle(bytes(ContactKind::kTriangleTriangle, estimate.fields.triangle_triangle));
+  PerKind<uint32_t> bytes;
+  for_each_kind(
+      [&](ContactKind kind, FieldSet made, uint32_t& of_kind) { of_kind = contact_bytes_of(kind, made, fields); },
+      estimate.fields, bytes);
+  fill_bytes_of_kinds(bytes, out);
+}
+
+// "max-device-mb" is max_device_bytes.
+std::string field_of(std::string option) {
+  std::ranges::replace(option, '-', '_');
+  constexpr std::string_view kMegabytes = "_mb";
+  const size_t at = option.find(kMegabytes);
+  return at == std::string::npos ? option : option.replace(at, kMegabytes.size(), "_bytes");
+}
+
+void set_field(pb::ServerLimits* out, const google::protobuf::FieldDescriptor* field, uint32_t value) {
+  out->GetReflection()->SetUInt32(out, field, value);
+}
+
+void set_field(pb::ServerLimits* out, const google::protobuf::FieldDescriptor* field, uint64_t value) {
+  out->GetReflection()->SetUInt64(out, field, value);
+}
+
+void set_field(pb::ServerLimits* out, const google::protobuf::FieldDescriptor* field, double value) {
+  out->GetReflection()->SetDouble(out, field, value);
+}
+
+void set_field(pb::ServerLimits* out, const google::protobuf::FieldDescriptor* field, Accuracy value) {
+  out->GetReflection()->SetEnumValue(out, field, to_message(value));
+}
+
+// Some limits, such as those of connections, are none that a client can keep to: no field tells them.
+template <class T>
+void fill_limit(const char* option, T limit, pb::ServerLimits* out) {
+  if (const auto* field = out->GetDescriptor()->FindFieldByName(field_of(option))) set_field(out, field, limit);
 }
 
 }  // namespace
@@ -154,22 +191,10 @@ void fill_unusable(const UnusableDevice& device, pb::UnusableDevice* out) {
 }
 
 void fill_limits(const Limits& limits, const ClientLimits& client, pb::ServerLimits* out) {
-  out->set_max_message_bytes(limits.max_message_bytes);
-  out->set_max_vertices(limits.max_vertices);
-  out->set_max_triangles(limits.max_triangles);
-  out->set_max_scenes(limits.max_scenes);
-  out->set_max_scene_bytes(limits.max_scene_bytes);
-  out->set_max_window(limits.max_window);
-  out->set_max_scenes_per_client(client.max_scenes);
-  out->set_max_device_bytes_per_client(client.max_device_bytes);
-  out->set_max_device_bytes(limits.max_device_bytes);
-  out->set_max_streams(limits.max_streams);
-  out->set_max_streams_per_client(client.max_streams);
-  out->set_max_frames_per_second(client.max_frames_per_second);
-  out->set_max_frame_seconds(client.max_frame_seconds);
-  out->set_max_accuracy(to_message(client.max_accuracy));
-  out->set_max_idle_seconds(limits.max_idle_seconds);
-  out->set_max_lease_seconds(limits.max_lease_seconds);
+  const auto fill = [out](const auto& row, const auto& limit) { fill_limit(row.option, limit, out); };
+  Limits both = limits;
+  both.client = client;
+  for_each_limit(fill, both);
   out->set_min_ping_seconds(kMinPingSeconds);
 }
 

@@ -79,11 +79,11 @@ void fill_reuse(const ReuseFacts& reuse, pb::FrameMetrics* out) {
   out->set_search_milliseconds(reuse.search_milliseconds);
 }
 
-void fill_part(const ShardFacts& part, pb::PartMetrics* out) {
-  out->set_share(part.share);
-  out->set_step_milliseconds(part.step_milliseconds);
-  out->set_pairs(part.pairs);
-  out->set_contacts(part.contacts);
+void fill_shard(const ShardFacts& shard, pb::PartMetrics* out) {
+  out->set_share(shard.share);
+  out->set_step_milliseconds(shard.step_milliseconds);
+  out->set_pairs(shard.pairs);
+  out->set_contacts(shard.contacts);
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   metrics->set_lbvh_milliseconds(result.broad_phase.lbvh_milliseconds);
   metrics->set_all_pairs_milliseconds(result.broad_phase.all_pairs_milliseconds);
   fill_reuse(result.reuse, metrics);
-  for (const ShardFacts& part : result.shards) fill_part(part, metrics->add_parts());
+  for (const ShardFacts& shard : result.shards) fill_shard(shard, metrics->add_parts());
   for (const std::string& option : result.unused_options) metrics->add_unused_options(spec_path(option));
   if (result.input_resolution) metrics->add_warnings(pb::FRAME_WARNING_INPUT_RESOLUTION);
   out->set_contact_count(count_contacts(result));

@@ -11,19 +11,23 @@ namespace {
 // What the protocol does not have of a kind is null.
 struct Kind {
   using SetCount = void (pb::FrameCounts::*)(uint64_t);
+  using SetBytes = void (pb::ContactBytes::*)(uint32_t);
 
   pb::ContactKind message;
+  SetBytes set_bytes;
   SetCount set_candidates, set_survivors, set_contacts;
 };
 
 constexpr PerKind<Kind> kKinds{
-    .vertex_triangle = {pb::CONTACT_KIND_VERTEX_TRIANGLE, &pb::FrameCounts::set_candidates_vertex_triangle,
+    .vertex_triangle = {pb::CONTACT_KIND_VERTEX_TRIANGLE, &pb::ContactBytes::set_vertex_triangle,
+                        &pb::FrameCounts::set_candidates_vertex_triangle,
                         &pb::FrameCounts::set_survivors_vertex_triangle,
                         &pb::FrameCounts::set_contacts_vertex_triangle},
-    .edge_edge = {pb::CONTACT_KIND_EDGE_EDGE, &pb::FrameCounts::set_candidates_edge_edge,
-                  &pb::FrameCounts::set_survivors_edge_edge, &pb::FrameCounts::set_contacts_edge_edge},
-    .triangle_triangle = {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, nullptr, nullptr,
-                          &pb::FrameCounts::set_contacts_triangle_triangle}};
+    .edge_edge = {pb::CONTACT_KIND_EDGE_EDGE, &pb::ContactBytes::set_edge_edge,
+                  &pb::FrameCounts::set_candidates_edge_edge, &pb::FrameCounts::set_survivors_edge_edge,
+                  &pb::FrameCounts::set_contacts_edge_edge},
+    .triangle_triangle = {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, &pb::ContactBytes::set_triangle_triangle, nullptr,
+                          nullptr, &pb::FrameCounts::set_contacts_triangle_triangle}};
 
 bool& wanted(SceneSpec& engine, pb::ContactKind message, int index) {
   bool* found = nullptr;
@@ -67,6 +71,11 @@ void fill_counts_of_kinds(const FrameCounts& counts, pb::FrameCounts* out) {
         set(kind.set_contacts, contacts);
       },
       kKinds, counts.candidates, counts.survivors, counts.contacts);
+}
+
+void fill_bytes_of_kinds(const PerKind<uint32_t>& bytes, pb::ContactBytes* out) {
+  for_each_kind([&](ContactKind, const Kind& kind, uint32_t of_kind) { (out->*kind.set_bytes)(of_kind); }, kKinds,
+                bytes);
 }
 
 }  // namespace collided::server

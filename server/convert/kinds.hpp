@@ -1,6 +1,7 @@
 #pragma once
 // The kinds of contacts as the protocol has them: a kind is one row in kinds.cpp.
 
+#include "collided/v1/collision_service.pb.h"
 #include "collided/v1/contact.pb.h"
 #include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
@@ -18,5 +19,7 @@ pb::ContactKind to_message(ContactKind kind);
 
 /// Candidates, survivors and contacts of each kind, where the protocol counts them.
 void fill_counts_of_kinds(const FrameCounts& counts, pb::FrameCounts* out);
+/// Bytes of one contact of each kind.
+void fill_bytes_of_kinds(const PerKind<uint32_t>& bytes, pb::ContactBytes* out);
 
 }  // namespace collided::server

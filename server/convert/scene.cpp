@@ -65,21 +65,22 @@ Device parse_device_id(const std::string& id, const std::string& field, const pb
   return *device;
 }
 
-// Each part has a thread of the host: many on one device would take them for nothing.
+// Each shard has a thread of the host: many on one device would take them for nothing. Refusals call shards parts, as
+// the field does.
 std::vector<Device> parse_part_devices(const pb::SceneSpec& spec, const SceneDefaults& defaults) {
-  constexpr ptrdiff_t kMaxPartsOnDevice = 4;
+  constexpr ptrdiff_t kMaxShardsOnDevice = 4;
   const std::string field = "spec.part_devices";
-  const auto parts = static_cast<size_t>(spec.part_devices_size());
-  if (parts > kMaxShards) throw_invalid(field, fmt::format("has {} parts, more than {}", parts, kMaxShards));
-  if (parts > 0 && !spec.device().empty())
+  const auto shards = static_cast<size_t>(spec.part_devices_size());
+  if (shards > kMaxShards) throw_invalid(field, fmt::format("has {} parts, more than {}", shards, kMaxShards));
+  if (shards > 0 && !spec.device().empty())
     throw_invalid("spec.device",
                   fmt::format("is \"{}\", but {} says where the scene lives", shorten(spec.device(), 64), field));
   std::vector<Device> devices;
   for (const std::string& id : spec.part_devices()) {
     devices.push_back(parse_device_id(id, fmt::format("{}[{}]", field, devices.size()), spec, defaults));
-    if (const auto there = std::ranges::count(devices, devices.back()); there > kMaxPartsOnDevice)
+    if (const auto there = std::ranges::count(devices, devices.back()); there > kMaxShardsOnDevice)
       throw_invalid(field, fmt::format("has {} or more parts on {}, more than {}", there, to_string(devices.back()),
-                                       kMaxPartsOnDevice));
+                                       kMaxShardsOnDevice));
   }
   return devices;
 }

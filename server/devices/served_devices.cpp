@@ -111,10 +111,10 @@ void check_backend(const Config& config, const std::vector<DeviceInfo>& devices,
                            (why.empty() ? cuda_obstacle() : why));
 }
 
-// Of a scene in parts, which hold the same each.
+// Of a scene's shards, which hold the same each.
 std::map<Device, uint64_t> bytes_by_device(const DeviceWish& wish) {
   std::map<Device, uint64_t> bytes;
-  for (const Device& device : wish.parts) bytes[device] += wish.min_bytes / wish.parts.size();
+  for (const Device& device : wish.shards) bytes[device] += wish.min_bytes / wish.shards.size();
   return bytes;
 }
 
@@ -204,8 +204,8 @@ std::shared_ptr<DeviceBytes> ServedDevices::add_scene(Served& served, uint64_t m
   return quota;
 }
 
-// Threads of the CPU's devices are shared out among the parts.
-Placement ServedDevices::place_parts(const DeviceWish& wish) {
+// Threads of the CPU's devices are shared out among the shards.
+Placement ServedDevices::place_shards(const DeviceWish& wish) {
   std::map<Device, std::shared_ptr<DeviceBytes>> quotas;
   int threads = 0;
   for (const auto& [device, min_bytes] : bytes_by_device(wish)) {
@@ -213,14 +213,14 @@ Placement ServedDevices::place_parts(const DeviceWish& wish) {
     quotas[device] = add_scene(here, min_bytes, nullptr);
     threads += here.terms.threads;
   }
-  Placement placed{wish.parts.front(), threads, wish.client};
-  for (const Device& device : wish.parts) placed.parts.push_back(quotas.at(device));
+  Placement placed{wish.shards.front(), threads, wish.client};
+  for (const Device& device : wish.shards) placed.shards.push_back(quotas.at(device));
   return placed;
 }
 
 Placement ServedDevices::place(const DeviceWish& wish) {
   const std::lock_guard lock(mutex_);
-  if (!wish.parts.empty()) return place_parts(wish);
+  if (!wish.shards.empty()) return place_shards(wish);
   std::vector<Candidate> found = candidates(wish);
   const Candidate most = *std::ranges::max_element(found, {}, &Candidate::free);
   if (found.size() > 1) {
@@ -247,7 +247,7 @@ void ServedDevices::check_could_hold(const DeviceWish& wish) const {
   const std::lock_guard lock(mutex_);
   for (const auto& [device, min_bytes] : bytes_by_device(wish))
     served(device).bytes->check_could_hold(min_bytes, kWhat);
-  if (!wish.parts.empty()) return;
+  if (!wish.shards.empty()) return;
   const std::vector<Candidate> found = candidates(wish);
   const auto limit = [](const Candidate& each) { return each.served->terms.max_bytes; };
   std::ranges::max_element(found, {}, limit)->served->bytes->check_could_hold(wish.min_bytes, kWhat);

@@ -41,7 +41,7 @@ DevicesAtStart devices_at_start(const Config& config, const Now& now);
 struct DeviceWish {
   Backend backend = Backend::kCpu;
   std::optional<Device> device = {};         ///< of that backend; none: any
-  std::vector<Device> parts = {};            ///< where each part is to be, if it is in parts; `device` is the first
+  std::vector<Device> shards = {};           ///< where each shard is to be, if it is sharded; `device` is the first
   uint64_t min_bytes = 0;                    ///< that it holds once it has had a frame
   std::shared_ptr<DeviceBytes> client = {};  ///< its client's quota; may be null
 };
@@ -51,9 +51,9 @@ struct Placement {
   Device device;
   int threads = 0;                     ///< as in DeviceTerms
   std::shared_ptr<DeviceBytes> quota;  ///< within the client's and the device's; the scene counts while it lives
-  /// Of a scene in parts: each one's, within its device's, which parts on one device share. Then `quota` is the
+  /// Of a sharded scene: each shard's, within its device's, which shards on one device share. Then `quota` is the
   /// client's.
-  std::vector<std::shared_ptr<DeviceBytes>> parts = {};
+  std::vector<std::shared_ptr<DeviceBytes>> shards = {};
 };
 
 /// A device at one moment.
@@ -111,7 +111,7 @@ class ServedDevices {
   Served& served(const Device& device);
   const Served& served(const Device& device) const;
   // The caller holds the lock.
-  Placement place_parts(const DeviceWish& wish);
+  Placement place_shards(const DeviceWish& wish);
   std::shared_ptr<DeviceBytes> add_scene(Served& served, uint64_t min_bytes,
                                          const std::shared_ptr<DeviceBytes>& client);
   std::vector<Candidate> candidates(const DeviceWish& wish) const;

@@ -13,8 +13,8 @@
 namespace collided::server {
 namespace {
 
-// While one part of a scene in parts yields, the others go on.
-bool can_yield(const SceneSpec& spec) { return spec.device.backend == Backend::kCpu && !is_in_parts(spec); }
+// While one shard of a scene yields, the others go on.
+bool can_yield(const SceneSpec& spec) { return spec.device.backend == Backend::kCpu && !is_sharded(spec); }
 
 // Called at each checkpoint of the engine: whether to abandon the frame. May yield its turn meanwhile.
 bool should_stop(const ClientIdentity& owner, uint64_t frame_id, TurnsOfScene::Turn& turn, bool yields,

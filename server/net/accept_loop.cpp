@@ -104,7 +104,7 @@ void AcceptLoop::accept_batch(size_t place) {
 
 void AcceptLoop::hand_over() {
   while (!is_stopping_ && may_take_()) {
-    WaitingRoom::Connection next = waiting_.next();
+    WaitingConnections::Connection next = waiting_.next();
     if (!next.fd) return;
     connections_.handed_over(next.fd.get());
     take_(std::move(next.fd), next.place);

@@ -11,7 +11,7 @@
 
 #include "server/net/connections.hpp"
 #include "server/net/sockets/fd.hpp"
-#include "server/net/waiting_room.hpp"
+#include "server/net/waiting_connections.hpp"
 
 namespace collided::server {
 
@@ -25,7 +25,7 @@ class AcceptLoop {
 
   /// Sockets and table must outlive it. When the process runs out of descriptors it evicts connections from the table,
   /// and accepts again as soon as a descriptor is free. With `may_take`, connections are for gRPC: they wait for their
-  /// turn (WaitingRoom) and are ended if they make no call. Throws std::system_error.
+  /// turn (WaitingConnections) and are ended if they make no call. Throws std::system_error.
   AcceptLoop(std::vector<int> sockets, Connections& connections, Take take, MayTake may_take = {});
   ~AcceptLoop() { stop(); }
   AcceptLoop(const AcceptLoop&) = delete;
@@ -52,7 +52,7 @@ class AcceptLoop {
   const Take take_;
   const MayTake may_take_;
   // Owned by the thread:
-  WaitingRoom waiting_;
+  WaitingConnections waiting_;
   std::chrono::steady_clock::time_point next_check_{};
   Fd wake_;
   std::vector<Fd> reserve_;  // closed to make room when no other descriptor is left

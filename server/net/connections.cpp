@@ -42,8 +42,8 @@ bool Connections::may_accept() {
 void Connections::admit(int socket, const Peer& peer) {
   const std::lock_guard lock(mutex_);
   if (Clock::now() - swept_ > kMinSweepInterval) sweep_locked();
-  while (open_of_locked(peer.source) >= limits_.max_of_peer && make_room_locked(peer.source)) continue;
-  while (open_locked() >= limits_.max && make_room_locked()) continue;
+  while (open_of_locked(peer.source) >= limits_.max_of_peer && evict_one_locked(peer.source)) continue;
+  while (open_locked() >= limits_.max && evict_one_locked()) continue;
   const uint64_t id = next_++;
   entries_.try_emplace(id, socket, peer);
   if (!peer.is_unix) by_peer_[peer.name] = id;
@@ -112,7 +112,7 @@ std::vector<EndedConnection> Connections::end_callless(Clock::time_point now) {
 void Connections::evict(size_t count) {
   const std::lock_guard lock(mutex_);
   sweep_locked();
-  while (count-- > 0 && make_room_locked()) continue;
+  while (count-- > 0 && evict_one_locked()) continue;
 }
 
 size_t Connections::size() const {
@@ -153,7 +153,7 @@ bool Connections::is_evicting_enough_locked() const {
   return ending_ >= std::max(kMin, limits_.max / 4);
 }
 
-bool Connections::make_room_locked(std::string_view source) {
+bool Connections::evict_one_locked(std::string_view source) {
   if (is_evicting_enough_locked()) return false;
   const auto victim = victim_locked(source);
   if (victim == entries_.end()) return false;

@@ -88,7 +88,7 @@ class Connections {
   Entry* find_locked(std::string_view peer);
   bool waste_locked(Entry& entry);
   bool is_evicting_enough_locked() const;
-  bool make_room_locked(std::string_view source = {});
+  bool evict_one_locked(std::string_view source = {});
   Entries::iterator victim_locked(std::string_view source);
   Entries::iterator oldest_of_largest_group_locked(std::string_view source, bool is_unix);
   size_t open_of_locked(std::string_view source) const;

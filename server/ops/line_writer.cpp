@@ -20,8 +20,8 @@ bool write_all(int fd, const char* data, size_t size) {
       data += written;
       size -= static_cast<size_t>(written);
     } else if (errno == EAGAIN) {  // another process has made the descriptor non-blocking
-      pollfd room{fd, POLLOUT, 0};
-      poll(&room, 1, -1);
+      pollfd writable{fd, POLLOUT, 0};
+      poll(&writable, 1, -1);
     } else if (errno != EINTR) {
       return false;
     }

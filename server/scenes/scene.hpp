@@ -40,7 +40,7 @@ class Scene {
   SceneObserver& observer() const { return context_.observer; }
   Clock::time_point now() const { return context_.now(); }
   const std::string& endpoint() const { return context_.endpoint; }
-  /// The quota of all memory that the scene holds, within its budget and its client's limits; of a scene in parts, of
+  /// The quota of all memory that the scene holds, within its budget and its client's limits; of a sharded scene, of
   /// what is the scene's as a whole.
   const std::shared_ptr<DeviceBytes>& quota() const { return quota_.whole; }
 

@@ -22,7 +22,7 @@ SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
   {
     const std::lock_guard lock(mutex_);
     if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
-    check_room_locked(owner);
+    check_limits_locked(owner);
     identity.queue_capacity = queue_capacity_;
   }
   place(request.plan);
@@ -30,7 +30,7 @@ SceneStore::Added SceneStore::add(const Client& owner, SceneRequest request) {
   auto scene = std::make_shared<Scene>(std::move(identity), std::move(request.plan), context_);
   const std::lock_guard lock(mutex_);
   if (SceneUse before = repeated_locked(owner, request)) return {std::move(before), false};
-  check_room_locked(owner);
+  check_limits_locked(owner);
   scene->worker().set_capacity(queue_capacity_);  // which may have changed meanwhile
   SceneUse use(scene);
   scenes_.emplace(scene->id(), scene);
@@ -43,7 +43,7 @@ void SceneStore::place(ScenePlan& plan) const {
   plan.engine.device = placed.device;
   if (placed.threads > 0) plan.engine.threads = placed.threads;
   plan.quota = std::move(placed.quota);
-  plan.parts = std::move(placed.parts);
+  plan.shards = std::move(placed.shards);
 }
 
 SceneUse SceneStore::repeated_locked(const Client& owner, const SceneRequest& request) const {
@@ -57,7 +57,7 @@ SceneUse SceneStore::repeated_locked(const Client& owner, const SceneRequest& re
   return SceneUse(found->second);
 }
 
-void SceneStore::check_room_locked(const Client& owner) const {
+void SceneStore::check_limits_locked(const Client& owner) const {
   if (scenes_.size() >= max_scenes_)
     throw LimitExceeded::quota(
         "daemon", fmt::format("max_scenes is {}, and {} scenes exist on this daemon", max_scenes_, scenes_.size()));

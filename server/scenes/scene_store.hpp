@@ -56,7 +56,7 @@ class SceneStore {
   void place(ScenePlan& plan) const;
   // `_locked`: the caller holds mutex_.
   SceneUse repeated_locked(const Client& owner, const SceneRequest& request) const;
-  void check_room_locked(const Client& owner) const;
+  void check_limits_locked(const Client& owner) const;
   Scenes::const_iterator find_locked(const Client& owner, const std::string& id) const;
   [[noreturn]] void throw_not_found_locked(const Client& owner, const std::string& id) const;
   void note_removed_locked(const std::shared_ptr<Scene>& scene);

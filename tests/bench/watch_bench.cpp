@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "client/cli/daemon/own_daemon.hpp"
-#include "client/cli/input/mesh_input.hpp"
+#include "client/app/daemon/own_daemon.hpp"
+#include "client/app/input/mesh_input.hpp"
 #include "client/cpp/client.hpp"
 #include "client/measure/end_to_end/frames.hpp"
 #include "client/measure/statistics.hpp"

@@ -38,7 +38,7 @@ GRPC = re.compile(r"^(grpc|grpcpp|google/protobuf)/")
 # The server's folders, from the bottom up, and those that each may include besides itself. Files at the server's root
 # include them all; of these, the folders know only SERVER_COMMON.
 SERVER_COMMON = {"server/errors.hpp", "server/shorten.hpp"}
-SERVER_ROOMS = {
+SERVER_FOLDERS = {
     "refusals": set(),
     "config/file": set(),
     "config": {"config/file"},
@@ -71,51 +71,51 @@ def may_see_messages(path):
     return path.startswith(("client/", "proto/")) or SPEAKS_MESSAGES.match(path.removeprefix("server/"))
 
 
-def server_room(path):
+def server_folder(path):
     """The folder of a file of the server; none for its root."""
-    room = path.removeprefix("server/").rpartition("/")[0]
-    return room if room else None
+    folder = path.removeprefix("server/").rpartition("/")[0]
+    return folder if folder else None
 
 
 def server_complaint(path, target):
     """Why the file of the server at `path` may not include `target`."""
-    room = server_room(path)
+    folder = server_folder(path)
     if GRPC.match(target) and not SPEAKS_GRPC.match(path.removeprefix("server/")):
         return "gRPC and protobuf begin at server/convert, except for server/refusals and server/auth/credentials"
     if target.startswith("gpu/") and target not in (*ENGINE_API, QUOTA):
         return "the server knows the engine by gpu/detector.hpp and gpu/stencil.hpp, and its quotas by gpu/sharded_quota.hpp"
     if target.startswith("client/"):
         return "the server must not know the client"
-    if room is None or not target.startswith("server/") or target in SERVER_COMMON:
+    if folder is None or not target.startswith("server/") or target in SERVER_COMMON:
         return None
-    if room not in SERVER_ROOMS:
-        return f"server/{room} is not a folder that tests/layers knows"
-    other = server_room(target)
-    if other != room and other not in SERVER_ROOMS[room]:
-        return f"server/{room} must not know server/{other or ''}"
+    if folder not in SERVER_FOLDERS:
+        return f"server/{folder} is not a folder that tests/layers knows"
+    other = server_folder(target)
+    if other != folder and other not in SERVER_FOLDERS[folder]:
+        return f"server/{folder} must not know server/{other or ''}"
     return None
 
 
 # The engine's folders, and those that each may include besides itself: data flows from the later to the earlier.
-ROOMS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
-ROOMS |= {room: {"base", "exec", "contacts"} for room in ("positions", "boxes", "narrow")}
-ROOMS["search"] = {"base", "exec", "contacts", "boxes"}
-ROOMS["tables"] = {"base", "exec", "search"}
-ROOMS["state"] = {"base", "exec", "contacts", "boxes", "search", "narrow"}
-ROOMS["engines"] = {"base", "exec", "contacts", "boxes", "narrow", "state"}
-ROOMS["step"] = ROOMS["state"] | {"state", "engines", "exact"}
-ROOMS["scene"] = ROOMS["step"] | {"positions", "step", "tables"}
+FOLDERS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
+FOLDERS |= {folder: {"base", "exec", "contacts"} for folder in ("positions", "boxes", "narrow")}
+FOLDERS["search"] = {"base", "exec", "contacts", "boxes"}
+FOLDERS["tables"] = {"base", "exec", "search"}
+FOLDERS["state"] = {"base", "exec", "contacts", "boxes", "search", "narrow"}
+FOLDERS["engines"] = {"base", "exec", "contacts", "boxes", "narrow", "state"}
+FOLDERS["step"] = FOLDERS["state"] | {"state", "engines", "exact"}
+FOLDERS["scene"] = FOLDERS["step"] | {"positions", "step", "tables"}
 # What a step's counters and plan hold of an engine's.
 COUNTED_OF_ENGINES = {f"gpu/engines/octree/{name}.hpp" for name in ("levels", "octree_plan", "subdivision")}
 # The specification of a scene, and the top.
 TYPES, ROOF = "gpu/types.hpp", "gpu/detector.hpp"
-# What a scene in parts tells its caller's limits.
+# What a scene on several devices tells its caller's limits.
 QUOTA = "gpu/sharded_quota.hpp"
 CONTACTS = "gpu/contact_set.hpp"
 UNDER_THE_ROOF = {"gpu/detector.cpp"}
 
 
-def room_of(path):
+def folder_of(path):
     """The engine's folder that a file is in; None for those at its root."""
     match = re.match(r"gpu/([^/]+)/", path)
     return match and match[1]
@@ -123,27 +123,27 @@ def room_of(path):
 
 def engine_complaint(path, target):
     """Why a file of the engine may not include another one of it."""
-    room, other = room_of(path), room_of(target)
+    folder, other = folder_of(path), folder_of(target)
     if target == ROOF:
-        known = room == "scene" or path in UNDER_THE_ROOF
+        known = folder == "scene" or path in UNDER_THE_ROOF
         return None if known else "gpu/detector.hpp is the roof: what is below knows gpu/types.hpp"
     if target == QUOTA:
-        return None if room == "scene" else "scene alone tells quotas of parts"
+        return None if folder == "scene" else "scene alone tells quotas of shards"
     if target == CONTACTS:
-        return "base knows no contacts" if room == "base" else None
+        return "base knows no contacts" if folder == "base" else None
     if target == TYPES:
-        return f"{room} knows no scene" if room in ("base", "exact") else None
-    if room is None:
+        return f"{folder} knows no scene" if folder in ("base", "exact") else None
+    if folder is None:
         return None
-    if room not in ROOMS:
-        return f"{room} is not a folder that tests/layers knows"
-    if room == "state" and target in COUNTED_OF_ENGINES:
+    if folder not in FOLDERS:
+        return f"{folder} is not a folder that tests/layers knows"
+    if folder == "state" and target in COUNTED_OF_ENGINES:
         return None
-    if other != room and other not in ROOMS[room]:
-        return f"{room} must not know {other}"
-    if room == "exact" and other == "base" and target not in EXACT_BASE:
+    if other != folder and other not in FOLDERS[folder]:
+        return f"{folder} must not know {other}"
+    if folder == "exact" and other == "base" and target not in EXACT_BASE:
         return "of base, the exact decisions know host_device.hpp, rounding.hpp and vec3.hpp alone"
-    if other == "exact" and room != "exact" and target not in EXACT_API:
+    if other == "exact" and folder != "exact" and target not in EXACT_API:
         return "of gpu/exact, others know exact.hpp, decision.hpp, poll.hpp and fixed/decide.hpp alone"
     if path.startswith(EXACT_FIXED) and other == "exact" and not target.startswith(EXACT_FIXED):
         return "gpu/exact/fixed runs on every backend and knows nothing of the rest of gpu/exact"
@@ -155,7 +155,7 @@ EXACT_FIXED = "gpu/exact/fixed/"
 EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/poll.hpp", "gpu/exact/fixed/decide.hpp"}
 EXACT_BASE = {"gpu/base/host_device.hpp", "gpu/base/rounding.hpp", "gpu/base/vec3.hpp"}
 
-# The one room above client/cpp and server, and what it may know of the server.
+# The one folder above client/cpp and server, and what it may know of the server.
 IN_PROCESS = "client/in_process/"
 SERVER_IN_PROCESS = {"server/in_process.hpp"}
 
@@ -177,11 +177,12 @@ CLIENT_RULES = [
     (r"client/in_process/", r"client/(?!in_process/|cpp/)", "the engine in a process is a part of the C++ library"),
     (r"client/(?!in_process/)", r"client/in_process/", "what is linked with the client alone knows no engine"),
     (r"client/in_process/local\.hpp$", r"server/|client/cpp/transport/", "public headers show nothing inside"),
-    (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands share knows no command and no measurement"),
-    (r"client/measure/", r"client/cli/\w+\.hpp$", "measurements know no command"),
-    (r"client/(measure|cli/(batch|daemon|dataset|input|live|output|picture|recording|report|web))/", r"CLI/|client/cli/options/(?!values|usage_error)",
+    (r"client/app/", r"client/(cli|measure)/", "what commands and measurements share knows neither"),
+    (r"client/cli/\w+/", r"client/(cli/\w+\.hpp$|measure/)", "what commands do knows no command and no measurement"),
+    (r"client/measure/", r"client/cli/", "measurements know no command"),
+    (r"client/(measure|app/(daemon|input|output|report)|cli/(batch|dataset|live|picture|recording|web))/", r"CLI/|client/app/options/(?!values|usage_error)",
      "what options have chosen is in options/values.hpp; CLI11 takes longer to compile than all else"),
-    (r"client/cli/(?!web/page_server\.cpp)", r"boost/(asio|beast)", "Boost.Beast, slow to compile, stays in web/page_server.cpp"),
+    (r"client/(?!cli/web/page_server\.cpp)(app|cli)/", r"boost/(asio|beast)", "Boost.Beast, slow to compile, stays in web/page_server.cpp"),
 ]
 
 

@@ -10,14 +10,14 @@ import sys
 
 PACKAGE = "client/python/collided"
 # What each folder may use besides itself and the protocol's messages (v1); modules of the root by name. The root uses all.
-ROOMS = {
+FOLDERS = {
     "meshes": {"arrays", "choices", "errors"},
     "frames": {"arrays", "choices", "errors", "layout", "meshes", "options", "positions"},
-    "contacts": {"errors", "frames", "layout"},
+    "contacts": {"columns", "errors", "frames", "kinds", "layout"},
     "connection": {"arrays", "choices", "errors", "layout", "leftovers", "options", "programs"},
-    "in_process": {"connection", "errors", "frames", "layout", "options", "programs"},
-    "transport": {"connection", "errors", "frames", "in_process"},
-    "gpu": {"contacts", "errors", "frames", "in_process", "layout", "leftovers", "scene", "transport"},
+    "in_process": {"columns", "connection", "errors", "frames", "kinds", "layout", "options", "programs"},
+    "transport": {"connection", "errors", "frames", "in_process", "positions"},
+    "gpu": {"columns", "contacts", "errors", "frames", "in_process", "kinds", "layout", "leftovers", "scene", "transport"},
 }
 # Packages of others, and where they may be used; numpy everywhere.
 OTHERS = {"grpc": ("errors", "connection", "transport"), "google": ("errors", "transport"), "pandas": ("contacts",)}
@@ -36,18 +36,18 @@ def imports(text):
             yield "." * node.level + (node.module or ""), node.lineno
 
 
-def complaint(room, name):
-    """Why a module of the folder or root module `room` may not import `name`; None if it may."""
+def complaint(folder, name):
+    """Why a module of a folder, or a module of the root, may not import `name`; None if it may."""
     if name.startswith("."):
         return "imports are absolute"
     first, *rest = name.split(".")
     if first == "collided":
         other = rest[0] if rest else None
-        if room in ROOMS and other not in ROOMS[room] | {room, "v1"}:
-            return f"{room} must not know {name}"
+        if folder in FOLDERS and other not in FOLDERS[folder] | {folder, "v1"}:
+            return f"{folder} must not know {name}"
         return None
     if first in OTHERS:
-        return None if room in OTHERS[first] else f"{first} belongs to {', '.join(OTHERS[first])}"
+        return None if folder in OTHERS[first] else f"{first} belongs to {', '.join(OTHERS[first])}"
     return None if first == "numpy" or first in sys.stdlib_module_names else f"{first} is not a package that it needs"
 
 
@@ -56,9 +56,9 @@ def bad_imports(root):
     files = sorted(file for file in package.rglob("*.py") if package / "v1" not in file.parents)  # v1 is generated
     found = []
     for file in files:
-        room = file.relative_to(package).parts[0].removesuffix(".py")
+        folder = file.relative_to(package).parts[0].removesuffix(".py")
         for name, line in imports(file.read_text()):
-            why = complaint(room, name)
+            why = complaint(folder, name)
             if why:
                 found.append(f"{file.relative_to(root)}:{line}: {name}: {why}")
     return found, len(files)

@@ -8,11 +8,11 @@
 #include <optional>
 #include <stdexcept>
 
+#include "client/app/output/csv.hpp"
+#include "client/app/output/durable.hpp"
+#include "client/app/output/progress.hpp"
 #include "client/cli/batch/results.hpp"
 #include "client/cli/batch/row.hpp"
-#include "client/cli/output/csv.hpp"
-#include "client/cli/output/durable.hpp"
-#include "client/cli/output/progress.hpp"
 
 namespace collided::cli {
 

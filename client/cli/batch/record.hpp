@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 
 namespace collided::cli {
 

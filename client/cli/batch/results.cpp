@@ -11,7 +11,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "client/cli/output/durable.hpp"
+#include "client/app/output/durable.hpp"
 
 namespace collided::cli {
 

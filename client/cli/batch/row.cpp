@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "client/app/report/digest.hpp"
+#include "client/app/report/frame_line.hpp"
 #include "client/cli/dataset/csv_text.hpp"
-#include "client/cli/report/digest.hpp"
-#include "client/cli/report/frame_line.hpp"
 
 namespace collided::cli {
 

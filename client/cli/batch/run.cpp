@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
+#include "client/app/daemon/interrupt.hpp"
+#include "client/app/input/step_input.hpp"
+#include "client/app/output/progress.hpp"
 #include "client/cli/batch/results.hpp"
 #include "client/cli/batch/row.hpp"
 #include "client/cli/batch/step_runner.hpp"
-#include "client/cli/daemon/interrupt.hpp"
-#include "client/cli/input/step_input.hpp"
-#include "client/cli/output/progress.hpp"
 
 namespace collided::cli {
 

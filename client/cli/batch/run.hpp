@@ -3,10 +3,10 @@
 
 #include <string>
 
+#include "client/app/options/values.hpp"
+#include "client/app/report/json.hpp"
 #include "client/cli/batch/shard.hpp"
 #include "client/cli/dataset/dataset.hpp"
-#include "client/cli/options/values.hpp"
-#include "client/cli/report/json.hpp"
 
 namespace collided::cli {
 

@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-#include "client/cli/options/usage_error.hpp"
+#include "client/app/options/usage_error.hpp"
 
 namespace collided::cli {
 

@@ -6,8 +6,8 @@
 
 #include <cstdio>
 
-#include "client/cli/input/mesh_input.hpp"
-#include "client/cli/output/csv.hpp"
+#include "client/app/input/mesh_input.hpp"
+#include "client/app/output/csv.hpp"
 #include "client/cpp/error.hpp"
 
 namespace collided::cli {

@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "client/app/daemon/connection.hpp"
+#include "client/app/input/step_input.hpp"
 #include "client/cli/batch/run.hpp"
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/input/step_input.hpp"
 
 namespace collided::cli {
 

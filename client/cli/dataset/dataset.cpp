@@ -10,8 +10,8 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "client/app/input/frame_files.hpp"
 #include "client/cli/dataset/csv_text.hpp"
-#include "client/cli/input/frame_files.hpp"
 #include "client/scenes/mesh_files/mesh_text.hpp"
 
 namespace collided::cli {

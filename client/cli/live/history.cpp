@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/cli/report/frame_line.hpp"
+#include "client/app/report/frame_line.hpp"
 
 namespace collided::cli {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 #include "client/cpp/watcher.hpp"
 
 namespace collided::cli {

@@ -7,9 +7,9 @@
 #include <mutex>
 #include <thread>
 
-#include "client/cli/daemon/interrupt.hpp"
+#include "client/app/daemon/interrupt.hpp"
+#include "client/app/output/output.hpp"
 #include "client/cli/live/screen.hpp"
-#include "client/cli/output/output.hpp"
 
 namespace collided::cli {
 

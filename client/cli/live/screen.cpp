@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "client/cli/daemon/interrupt.hpp"
+#include "client/app/daemon/interrupt.hpp"
 
 namespace collided::cli {
 

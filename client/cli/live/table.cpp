@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 
-#include "client/cli/options/values.hpp"
-#include "client/cli/report/numbers.hpp"
-#include "client/cli/report/text.hpp"
+#include "client/app/options/values.hpp"
+#include "client/app/report/numbers.hpp"
+#include "client/app/report/text.hpp"
 
 namespace collided::cli {
 

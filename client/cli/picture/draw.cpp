@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/cli/daemon/interrupt.hpp"
+#include "client/app/daemon/interrupt.hpp"
 
 namespace collided::cli {
 

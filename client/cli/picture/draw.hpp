@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "client/cli/input/motion.hpp"
+#include "client/app/input/motion.hpp"
 #include "client/cli/picture/painter.hpp"
 
 namespace collided::cli {

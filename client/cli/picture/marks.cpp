@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/cli/output/located.hpp"
+#include "client/app/output/located.hpp"
 
 namespace collided::cli {
 

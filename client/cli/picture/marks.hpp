@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "client/cli/output/contact_points.hpp"
+#include "client/app/output/contact_points.hpp"
 #include "client/scenes/vec3.hpp"
 
 namespace collided::cli {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/cli/daemon/interrupt.hpp"
+#include "client/app/daemon/interrupt.hpp"
 #include "client/scenes/math.hpp"
 
 namespace collided::cli {

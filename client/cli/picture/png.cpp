@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-#include "client/cli/output/output.hpp"
+#include "client/app/output/output.hpp"
 
 namespace collided::cli {
 

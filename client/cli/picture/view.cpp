@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "client/cli/report/numbers.hpp"
+#include "client/app/report/numbers.hpp"
 #include "client/scenes/math.hpp"
 
 namespace collided::cli {

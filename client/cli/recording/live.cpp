@@ -7,8 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "client/cli/input/frame_files.hpp"
-#include "client/cli/input/mesh_input.hpp"
+#include "client/app/input/frame_files.hpp"
+#include "client/app/input/mesh_input.hpp"
 
 namespace collided::cli {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "client/cli/output/output.hpp"
+#include "client/app/output/output.hpp"
 #include "client/cpp/client.hpp"
 
 namespace collided::cli {

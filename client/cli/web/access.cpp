@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "client/cli/options/usage_error.hpp"
+#include "client/app/options/usage_error.hpp"
 
 namespace collided::cli {
 

@@ -6,8 +6,8 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/input/mesh_input.hpp"
+#include "client/app/daemon/connection.hpp"
+#include "client/app/input/mesh_input.hpp"
 
 namespace collided::cli {
 

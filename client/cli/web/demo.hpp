@@ -3,7 +3,7 @@
 
 #include <stop_token>
 
-#include "client/cli/input/motion.hpp"
+#include "client/app/input/motion.hpp"
 #include "client/cpp/frame_stream.hpp"
 
 namespace collided::cli {

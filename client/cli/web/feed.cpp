@@ -8,8 +8,8 @@
 #include <chrono>
 #include <utility>
 
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/report/text.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/report/text.hpp"
 
 namespace collided::cli {
 

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-#include "client/cli/report/frame_line.hpp"
+#include "client/app/report/frame_line.hpp"
 
 namespace collided::cli {
 

@@ -27,7 +27,7 @@
 #include <cstdint>
 #include <string>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 #include "client/cli/web/surface.hpp"
 #include "client/cpp/watcher.hpp"
 

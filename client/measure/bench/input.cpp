@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "client/cli/input/mesh_input.hpp"
-#include "client/cli/input/step_input.hpp"
+#include "client/app/input/mesh_input.hpp"
+#include "client/app/input/step_input.hpp"
 
 namespace collided::cli {
 

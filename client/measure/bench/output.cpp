@@ -2,7 +2,7 @@
 
 #include "client/measure/bench/output.hpp"
 
-#include "client/cli/output/output.hpp"
+#include "client/app/output/output.hpp"
 
 namespace collided::cli {
 

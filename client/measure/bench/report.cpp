@@ -4,8 +4,8 @@
 
 #include <cstdio>
 
-#include "client/cli/options/values.hpp"
-#include "client/cli/report/numbers.hpp"
+#include "client/app/options/values.hpp"
+#include "client/app/report/numbers.hpp"
 #include "client/measure/stage_medians.hpp"
 #include "client/measure/statistics.hpp"
 

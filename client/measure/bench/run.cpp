@@ -2,8 +2,8 @@
 
 #include "client/measure/bench/run.hpp"
 
-#include "client/cli/input/mesh_input.hpp"
-#include "client/cli/output/progress.hpp"
+#include "client/app/input/mesh_input.hpp"
+#include "client/app/output/progress.hpp"
 
 namespace collided::cli {
 

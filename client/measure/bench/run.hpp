@@ -1,7 +1,7 @@
 #pragma once
 // Plays an input on a daemon and records the cost of its frames.
 
-#include "client/cli/daemon/connection.hpp"
+#include "client/app/daemon/connection.hpp"
 #include "client/measure/bench/input.hpp"
 #include "client/measure/bench/report.hpp"
 #include "client/measure/bench/settings.hpp"

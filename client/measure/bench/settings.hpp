@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "client/cli/options/values.hpp"
+#include "client/app/options/values.hpp"
 
 namespace collided::cli {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/cli/output/progress.hpp"
+#include "client/app/output/progress.hpp"
 
 namespace collided::cli {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "client/cli/daemon/connection.hpp"
+#include "client/app/daemon/connection.hpp"
 #include "client/measure/bench/input.hpp"
 #include "client/measure/capacity/workload.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "client/cli/report/numbers.hpp"
+#include "client/app/report/numbers.hpp"
 
 namespace collided::cli {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 #include "client/measure/capacity/plan.hpp"
 #include "collided/v1/collision_service.pb.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/cli/input/mesh_input.hpp"
+#include "client/app/input/mesh_input.hpp"
 #include "client/cpp/positions.hpp"
 
 namespace collided::cli {

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "client/cli/report/numbers.hpp"
+#include "client/app/report/numbers.hpp"
 #include "client/measure/statistics.hpp"
 
 namespace collided::cli {

@@ -8,10 +8,10 @@
 #include <memory>
 #include <thread>
 
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/input/mesh_input.hpp"
-#include "client/cli/output/progress.hpp"
-#include "client/cli/report/numbers.hpp"
+#include "client/app/daemon/connection.hpp"
+#include "client/app/input/mesh_input.hpp"
+#include "client/app/output/progress.hpp"
+#include "client/app/report/numbers.hpp"
 #include "client/measure/bench/output.hpp"
 #include "client/measure/end_to_end/echo_peer.hpp"
 #include "client/measure/end_to_end/frames.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/daemon/own_daemon.hpp"
+#include "client/app/daemon/own_daemon.hpp"
 #include "client/cpp/client.hpp"
 
 namespace collided::cli {

@@ -11,9 +11,9 @@
 #include <exception>
 #include <stdexcept>
 
-#include "client/cli/daemon/interrupt.hpp"
-#include "client/cli/output/output.hpp"
-#include "client/cli/report/text.hpp"
+#include "client/app/daemon/interrupt.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/report/text.hpp"
 #include "client/measure/load/daemon/limits.hpp"
 #include "client/measure/load/drive/fleet.hpp"
 #include "client/measure/load/drive/phase_run.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/options/values.hpp"
+#include "client/app/options/values.hpp"
 #include "client/measure/load/pace/schedule.hpp"
 
 namespace collided::cli::load {

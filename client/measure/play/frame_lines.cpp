@@ -4,9 +4,9 @@
 
 #include <unistd.h>
 
-#include "client/cli/output/output.hpp"
-#include "client/cli/report/digest.hpp"
-#include "client/cli/report/frame_line.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/report/digest.hpp"
+#include "client/app/report/frame_line.hpp"
 
 namespace collided::cli {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 
 namespace collided::cli {
 

@@ -4,9 +4,9 @@
 
 #include <exception>
 
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/daemon/interrupt.hpp"
-#include "client/cli/output/progress.hpp"
+#include "client/app/daemon/connection.hpp"
+#include "client/app/daemon/interrupt.hpp"
+#include "client/app/output/progress.hpp"
 
 namespace collided::cli {
 

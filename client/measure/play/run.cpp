@@ -6,8 +6,8 @@
 #include <exception>
 #include <utility>
 
-#include "client/cli/output/output.hpp"
-#include "client/cli/report/text.hpp"
+#include "client/app/output/output.hpp"
+#include "client/app/report/text.hpp"
 #include "client/measure/play/frame_lines.hpp"
 #include "client/measure/play/totals.hpp"
 

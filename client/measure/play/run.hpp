@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 #include "client/measure/play/play.hpp"
 
 namespace collided::cli {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/cli/report/contacts.hpp"
+#include "client/app/report/contacts.hpp"
 #include "client/measure/stage_medians.hpp"
 #include "client/measure/statistics.hpp"
 

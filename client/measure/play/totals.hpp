@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "client/cli/report/digest.hpp"
-#include "client/cli/report/json.hpp"
+#include "client/app/report/digest.hpp"
+#include "client/app/report/json.hpp"
 
 namespace collided::cli {
 

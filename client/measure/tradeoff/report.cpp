@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "client/cli/report/numbers.hpp"
+#include "client/app/report/numbers.hpp"
 
 namespace collided::cli {
 

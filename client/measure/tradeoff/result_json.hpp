@@ -1,7 +1,7 @@
 #pragma once
 // Results of 'collidectl tradeoff' as JSON.
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 #include "client/measure/tradeoff/result.hpp"
 
 namespace collided::cli {

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 
-#include "client/cli/daemon/connection.hpp"
-#include "client/cli/input/mesh_input.hpp"
-#include "client/cli/options/usage_error.hpp"
-#include "client/cli/output/progress.hpp"
-#include "client/cli/report/json.hpp"
+#include "client/app/daemon/connection.hpp"
+#include "client/app/input/mesh_input.hpp"
+#include "client/app/options/usage_error.hpp"
+#include "client/app/output/progress.hpp"
+#include "client/app/report/json.hpp"
 #include "client/measure/stage_medians.hpp"
 #include "client/measure/tradeoff/judge.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 // Runs levels, deltas and position formats over one step and judges them.
 
-#include "client/cli/input/step_input.hpp"
-#include "client/cli/options/values.hpp"
+#include "client/app/input/step_input.hpp"
+#include "client/app/options/values.hpp"
 #include "client/measure/tradeoff/result.hpp"
 
 namespace collided::cli {

@@ -69,8 +69,8 @@ async function uploadMesh(connection: Connection, sceneId: string, mesh: number,
     else settle.resolve(answer);
   });
   for (; !chunk.done && !isOver; chunk = chunks.next()) {
-    const room = call.write(chunk.value);
-    if (!room) await new Promise<void>((resolve) => call.once("drain", resolve));
+    const takesMore = call.write(chunk.value);
+    if (!takesMore) await new Promise<void>((resolve) => call.once("drain", resolve));
   }
   call.end();
   return (await answered).scene!;

@@ -11,14 +11,15 @@ import numpy as np
 
 from collided.arrays import real
 from collided.choices import check_text, choice, word
+from collided.columns import COLUMNS
 from collided.errors import InvalidArgument
+from collided.kinds import KINDS
 from collided.layout import Layout
 from collided.positions import Box, Format, format_named
 from collided.v1 import contact_pb2, scene_pb2
 
-FIELDS = ("elements", "stencil", "toi", "distance", "weights", "normal", "flags")
-KINDS = ("vertex_triangle", "edge_edge", "triangle_triangle")
-_SHORT_KINDS = {"vt": "vertex_triangle", "ee": "edge_edge", "tt": "triangle_triangle"}
+FIELDS = tuple(column.field for column in COLUMNS.values())
+_SHORT_KINDS = {kind.short: kind.name for kind in KINDS.values()}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -121,10 +121,13 @@ class Format:
         return wire if self.box is None or wire.dtype == self.real else unpack_quantized(wire, self.box)
 
 
+# On the wire.
+DTYPES: dict[str, np.dtype] = {"f32": np.dtype("<f4"), "f64": np.dtype("<f8"), "q16": np.dtype("<u2")}
+
+
 def format_named(name: str, box: Box | None) -> Format:
     """The format "f32", "f64" or "q16", which needs a box."""
     if (name == "q16") != (box is not None):
         raise InvalidArgument(f"position_format is {name!r} and quantization_box is {box}; 'q16' and a box go together",
                               field="quantization_box")
-    wire = {"f32": "<f4", "f64": "<f8", "q16": "<u2"}[name]
-    return Format(name, np.dtype(wire), np.dtype("<f8" if name == "f64" else "<f4"), box)
+    return Format(name, DTYPES[name], np.dtype("<f8" if name == "f64" else "<f4"), box)

@@ -128,7 +128,7 @@ void SceneEngine::throw_edited(uint64_t frame_id) const {
 void SceneEngine::take_edit(const FrameBasis& basis, MemoryHold& making) {
   auto plan = std::make_shared<const ScenePlan>(edited_plan(*record_.plan(), basis.edited, detector_->spec()));
   auto slots = std::make_shared<SlotPool>(detector_);
-  uploads_.make_room(plan->meshes.size());
+  uploads_.set_mesh_count(plan->meshes.size());
   {
     const std::lock_guard lock(mutex_);
     slots_.swap(slots);

@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include "server/devices/parted_bytes.hpp"
+#include "server/devices/sharded_bytes.hpp"
 
 namespace collided::server {
 namespace {
@@ -39,10 +39,10 @@ ScenePlan without_elements(ScenePlan& plan) {
 
 SceneQuota::SceneQuota(const ScenePlan& plan)
     : whole(DeviceBytes::of_scene(plan.engine.memory_budget, plan.quota)), of_engine(whole) {
-  if (plan.parts.empty()) return;
-  const auto parted = std::make_shared<PartedBytes>(whole, plan.parts);
-  whole = parted->whole();
-  of_engine = parted;
+  if (plan.shards.empty()) return;
+  const auto sharded = std::make_shared<ShardedBytes>(whole, plan.shards);
+  whole = sharded->whole();
+  of_engine = sharded;
 }
 
 uint64_t max_edit_bytes(const SceneEdit& edit) {

@@ -39,7 +39,7 @@ inline uint64_t max_position_bytes(const SceneSpec& spec) {
 }
 
 /// Returns true for a scene that is spread over devices, or several times over one.
-inline bool is_in_parts(const SceneSpec& spec) { return !spec.part_devices.empty(); }
+inline bool is_sharded(const SceneSpec& spec) { return !spec.part_devices.empty(); }
 
 /// Returns all devices that a scene is on, each once, in order.
 std::vector<Device> devices_of(const SceneSpec& spec);
@@ -75,13 +75,14 @@ struct ScenePlan {
   uint64_t min_bytes = 0;          ///< minimum memory of the scene once it has had a frame
   std::shared_ptr<DeviceBytes>
       quota{};  ///< around the scene's own budget: its client's, within its device's once placed
-  std::vector<std::shared_ptr<DeviceBytes>> parts{};  ///< as Placement has them; then `quota` is the client's alone
+  std::vector<std::shared_ptr<DeviceBytes>> shards{};  ///< as Placement has them; then `quota` is the client's alone
 };
 
 /// Which devices may have the scene.
 inline DeviceWish wish_of(const ScenePlan& plan) {
-  const std::vector<Device>& parts = plan.engine.part_devices;
-  return {plan.engine.device.backend, parts.empty() ? plan.device : parts.front(), parts, plan.min_bytes, plan.quota};
+  const std::vector<Device>& shards = plan.engine.part_devices;
+  return {plan.engine.device.backend, shards.empty() ? plan.device : shards.front(), shards, plan.min_bytes,
+          plan.quota};
 }
 
 /// Copies a plan without the elements of its meshes, which may be many; they stay where they are.
@@ -91,8 +92,8 @@ ScenePlan without_elements(ScenePlan& plan);
 struct SceneQuota {
   explicit SceneQuota(const ScenePlan& plan);
 
-  std::shared_ptr<DeviceBytes> whole;      ///< of a scene in parts, of what is the scene's as a whole
-  std::shared_ptr<MemoryQuota> of_engine;  ///< in parts, if the scene is; else the same
+  std::shared_ptr<DeviceBytes> whole;      ///< of a sharded scene, of what is the scene's as a whole
+  std::shared_ptr<MemoryQuota> of_engine;  ///< sharded, if the scene is; else the same
 };
 
 /// A mesh that an edit brings.
@@ -129,7 +130,7 @@ inline uint64_t plan_bytes(const ScenePlan& plan) {
   return bytes;
 }
 
-/// Copies of the topology that a scene has on the host: each part has its own.
+/// Copies of the topology that a scene has on the host: each shard has its own.
 inline uint64_t count_tables(const SceneSpec& spec) { return std::max<uint64_t>(spec.part_devices.size(), 1); }
 
 /// Of the scene's tables on the host.

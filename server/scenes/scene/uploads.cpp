@@ -100,7 +100,7 @@ SceneSpec SceneUploads::take_spec(MemoryHold& held) {
   return std::exchange(pending_, {});
 }
 
-void SceneUploads::make_room(size_t meshes) {
+void SceneUploads::set_mesh_count(size_t meshes) {
   const std::lock_guard lock(mutex_);
   awaited_.resize(meshes, 0);
   uploading_.resize(meshes, false);

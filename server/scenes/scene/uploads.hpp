@@ -60,7 +60,7 @@ class SceneUploads {
   /// Returns the spec with its triangles, and moves the bytes held for them and for the plan to `held`.
   SceneSpec take_spec(MemoryHold& held);
   /// An edit is about to add meshes, whose triangles it has brought.
-  void make_room(size_t meshes);
+  void set_mesh_count(size_t meshes);
   /// Frees the memory.
   void release();
 

@@ -79,7 +79,7 @@ void LocalServer::take_connections() {
     try {
       check_peer(socket.get());
       rules_.host.check_serving();
-      check_room();
+      check_connections();
     } catch (...) {
       refuse(std::move(socket), describe_current());
       continue;
@@ -109,7 +109,7 @@ bool LocalServer::evict_silent() {
 }
 
 // Those that were evicted take a moment to end.
-void LocalServer::check_room() {
+void LocalServer::check_connections() {
   const size_t max = rules_.host.limits().max_streams, open = connections();
   if (open >= 2 * max || (open >= max && !evict_silent()))
     throw LimitExceeded::quota(

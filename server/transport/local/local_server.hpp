@@ -52,7 +52,7 @@ class LocalServer {
   void take_connections();
   void check_peer(int socket) const;
   bool evict_silent();
-  void check_room();
+  void check_connections();
   void serve(Fd socket);
   void begin_thread(const std::shared_ptr<Connection>& connection);
   void join_ended();

@@ -35,7 +35,7 @@ void check_scene(const char* field, const std::string& handle, const Scene& scen
     throw FailedPrecondition(
         field, fmt::format("{} is set, but scene {} is a set, whose positions and contacts are in the host's memory",
                            field, scene.id()));
-  if (is_in_parts(plan->engine))
+  if (is_sharded(plan->engine))
     throw FailedPrecondition(
         field,
         fmt::format("{} is set, but scene {} is in parts on several devices (spec.part_devices), whose positions "

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/daemon/own_daemon.hpp"
+#include "client/app/daemon/own_daemon.hpp"
 #include "client/cpp/batch/scene_set.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "client/measure/statistics.hpp"

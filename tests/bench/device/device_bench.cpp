@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/daemon/own_daemon.hpp"
+#include "client/app/daemon/own_daemon.hpp"
 #include "client/cpp/client.hpp"
 #include "client/measure/statistics.hpp"
 #include "tests/bench/inputs.hpp"

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "client/cli/daemon/own_daemon.hpp"
-#include "client/cli/input/mesh_input.hpp"
+#include "client/app/daemon/own_daemon.hpp"
+#include "client/app/input/mesh_input.hpp"
 #include "client/cpp/client.hpp"
 #include "client/in_process/local.hpp"
 #include "client/measure/end_to_end/frames.hpp"

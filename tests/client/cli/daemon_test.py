@@ -5,7 +5,9 @@ Usage: daemon_test.py COLLIDECTL DAEMON"""
 import glob
 import json
 import os
+import pathlib
 import pwd
+import re
 import signal
 import socket
 import subprocess
@@ -14,6 +16,9 @@ import time
 
 import support
 from support import COLLIDECTL, DAEMON, ONE_CPU
+
+
+PROTO = pathlib.Path(__file__).resolve().parents[3] / "proto" / "collided" / "v1" / "collision_service.proto"
 
 
 class Daemon(support.CollidectlTest):
@@ -51,6 +56,8 @@ class Daemon(support.CollidectlTest):
         expected.update({name: value << 20 for name, value in megabytes.values()})
         expected["min_ping_seconds"] = 0.1  # no option changes it
         self.assertEqual(info["limits"], expected)
+        message = re.search(r"^message ServerLimits \{(.*?)^\}", PROTO.read_text(), re.MULTILINE | re.DOTALL)[1]
+        self.assertEqual(set(info["limits"]), set(re.findall(r"^  \w+ (\w+) = \d+;", message, re.MULTILINE)))
         self.assertEqual(info["local_socket"], local)
         for name in (*expected, "local_socket"):
             self.assertIn(name, text)

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <thread>
 
-#include "client/cli/daemon/own_daemon.hpp"
+#include "client/app/daemon/own_daemon.hpp"
 #include "client/cpp/client.hpp"
 #include "client/cpp/transport/grpc/grpc_transport.hpp"
 

@@ -16,7 +16,7 @@ from recovery_test import break_connection
 from support import DAEMON, Daemon, Supervised, main, np
 
 import collided
-from collided.contacts.columns import COLUMNS
+from collided.columns import COLUMNS
 
 STREAMS = int(os.environ.get("COLLIDED_SAME_BYTES_STREAMS", "4"))
 ENGINES = ("octree", "top_down_octree", "bottom_up_octree", "uniform_grid", "two_level_grid", "lbvh", "vss", "all_pairs")

@@ -268,14 +268,14 @@ TEST(ConvertScene, RefusesBadValues) {
   for (const double lease : {-1.0, kNan}) refuse("lease_seconds", [&](Request& r) { r.set_lease_seconds(lease); });
 }
 
-TEST(ConvertScene, TakesAndTellsTheDevicesOfItsParts) {
+TEST(ConvertScene, TakesAndTellsTheDevicesOfItsShards) {
   const auto wanted = request_with([](pb::SceneSpec& s) {
     for (int i = 0; i < 3; ++i) s.add_part_devices("cpu:0");
   });
   const ScenePlan plan = parse_scene(wanted, {}).plan;
   EXPECT_EQ(plan.engine.part_devices, std::vector<Device>(3));
-  EXPECT_EQ(wish_of(plan).parts, plan.engine.part_devices);
-  EXPECT_GT(plan.min_bytes, 2 * parse_scene(request(), {}).plan.min_bytes) << "each part has all positions";
+  EXPECT_EQ(wish_of(plan).shards, plan.engine.part_devices);
+  EXPECT_GT(plan.min_bytes, 2 * parse_scene(request(), {}).plan.min_bytes) << "each shard has all positions";
   EXPECT_EQ(shown(wanted).spec().part_devices_size(), 3);
   EXPECT_EQ(shown(wanted).spec().part_devices(2), "cpu:0");
 }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/devices/parted_bytes.hpp"
+#include "server/devices/sharded_bytes.hpp"
 #include "server/errors.hpp"
 #include "tests/server/hand_clock.hpp"
 
@@ -120,20 +120,20 @@ TEST_F(Placing, HoldsEachDevicesOwnLimit) {
   EXPECT_EQ(client->held(), 30 * kMegabyte);
 }
 
-TEST_F(Placing, PartsCountOnTheirDevices) {
+TEST_F(Placing, ShardsCountOnTheirDevices) {
   ServedDevices devices({cpu(0, 50), cpu(1, 50), cpu(2, 50)});
-  DeviceWish on_three = wish(30);  // ten of each part
-  on_three.parts = {{Backend::kCpu, 2}, {Backend::kCpu, 0}, {Backend::kCpu, 2}};
+  DeviceWish on_three = wish(30);  // ten of each shard
+  on_three.shards = {{Backend::kCpu, 2}, {Backend::kCpu, 0}, {Backend::kCpu, 2}};
   std::optional<Placement> placed = devices.place(on_three);
   EXPECT_EQ(placed->device, (Device{Backend::kCpu, 2}));
-  ASSERT_EQ(placed->parts.size(), 3u);
-  EXPECT_EQ(placed->parts[0], placed->parts[2]) << "on one device";
-  placed->parts[0]->take(25 * kMegabyte);
+  ASSERT_EQ(placed->shards.size(), 3u);
+  EXPECT_EQ(placed->shards[0], placed->shards[2]) << "on one device";
+  placed->shards[0]->take(25 * kMegabyte);
   const auto free_of = [&](size_t device) { return devices.state()[device].free_bytes / kMegabyte; };
   EXPECT_EQ((std::vector{free_of(0), free_of(1), free_of(2)}), (std::vector<uint64_t>{40, 50, 25}));
   EXPECT_EQ(devices.state()[2].scenes, 1u);
-  EXPECT_THROW(placed->parts[0]->take(26 * kMegabyte), LimitExceeded);
-  placed->parts[0]->give_back(25 * kMegabyte);
+  EXPECT_THROW(placed->shards[0]->take(26 * kMegabyte), LimitExceeded);
+  placed->shards[0]->give_back(25 * kMegabyte);
   placed.reset();
   EXPECT_EQ((std::vector{free_of(0), free_of(1), free_of(2)}), (std::vector<uint64_t>{50, 50, 50}));
   on_three.min_bytes = 90 * kMegabyte;
@@ -142,15 +142,15 @@ TEST_F(Placing, PartsCountOnTheirDevices) {
   EXPECT_NO_THROW(devices.check_could_hold(on_three));
 }
 
-// The scene's budget and its client's quota are for all parts together.
-TEST_F(Placing, PartsShareTheBudgetOfTheirScene) {
+// The scene's budget and its client's quota are for all shards together.
+TEST_F(Placing, ShardsShareTheBudgetOfTheirScene) {
   ServedDevices devices({cpu(0, 50), cpu(1, 50)});
   DeviceWish on_two = wish(2);
-  on_two.parts = {{Backend::kCpu, 0}, {Backend::kCpu, 1}};
+  on_two.shards = {{Backend::kCpu, 0}, {Backend::kCpu, 1}};
   on_two.client = std::make_shared<DeviceBytes>("client:a", "max", 80 * kMegabyte);
   const Placement placed = devices.place(on_two);
   EXPECT_EQ(placed.quota, on_two.client);
-  PartedBytes bytes(DeviceBytes::of_scene(60 * kMegabyte, placed.quota), placed.parts);
+  ShardedBytes bytes(DeviceBytes::of_scene(60 * kMegabyte, placed.quota), placed.shards);
   bytes.of_shard(0)->take(20 * kMegabyte);
   bytes.of_shard(1)->take(30 * kMegabyte);
   bytes.take(5 * kMegabyte);

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 #include "client/measure/load/tally/tally.hpp"
 
 namespace collided::cli::load {

@@ -8,7 +8,7 @@
 #include <charconv>
 #include <stdexcept>
 
-#include "client/cli/options/usage_error.hpp"
+#include "client/app/options/usage_error.hpp"
 
 namespace collided::cli::load {
 

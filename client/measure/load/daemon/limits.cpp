@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-#include "client/cli/report/numbers.hpp"
+#include "client/app/report/numbers.hpp"
 
 namespace collided::cli::load {
 
@@ -46,7 +46,7 @@ std::string rate_warning(const v1::ServerLimits& limits, double frames_per_secon
          "): it will refuse the rest; --max-frames-per-second of the daemon raises that";
 }
 
-void make_room_for_connections(uint32_t connections) {
+void allow_connections(uint32_t connections) {
   rlimit files{};
   getrlimit(RLIMIT_NOFILE, &files);
   const rlim_t needed = connections + kOtherFiles;

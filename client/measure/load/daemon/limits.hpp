@@ -24,6 +24,6 @@ std::string rate_warning(const v1::ServerLimits& limits, double frames_per_secon
 
 /// Raises the soft limit of open files to the hard one. Throws std::runtime_error if that is below what so many
 /// connections need.
-void make_room_for_connections(uint32_t connections);
+void allow_connections(uint32_t connections);
 
 }  // namespace collided::cli::load

@@ -7,14 +7,14 @@
 #include <stdexcept>
 #include <thread>
 
-#include "client/cli/output/progress.hpp"
+#include "client/app/output/progress.hpp"
 #include "client/measure/load/daemon/limits.hpp"
 
 namespace collided::cli::load {
 
 Target::Target(const LoadSettings& settings) : address_(settings.server.server) {
   const StreamSettings& streams = settings.streams;
-  make_room_for_connections(streams.shares_connections ? streams.clients : streams.count());
+  allow_connections(streams.shares_connections ? streams.clients : streams.count());
   if (!settings.metrics_url.empty()) metrics_ = parse_url("--metrics-url", settings.metrics_url);
   if (address_.empty()) {
     daemon_.emplace(DaemonOptions{.backend = settings.server.backend,

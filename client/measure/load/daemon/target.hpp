@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/daemon/connection.hpp"
+#include "client/app/daemon/connection.hpp"
 #include "client/measure/load/daemon/counters.hpp"
 #include "client/measure/load/daemon/http_get.hpp"
 #include "client/measure/load/settings.hpp"

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "client/cli/input/mesh_input.hpp"
-#include "client/cli/output/progress.hpp"
+#include "client/app/input/mesh_input.hpp"
+#include "client/app/output/progress.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "client/measure/load/drive/lane.hpp"
 

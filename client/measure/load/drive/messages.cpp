@@ -5,7 +5,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
 
-#include "client/cli/input/mesh_input.hpp"
+#include "client/app/input/mesh_input.hpp"
 #include "collided/v1/collision_service.pb.h"
 
 namespace collided::cli::load {

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "client/cli/input/frame_files.hpp"
+#include "client/app/input/frame_files.hpp"
 
 namespace collided::cli::load {
 

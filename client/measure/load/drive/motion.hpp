@@ -1,7 +1,7 @@
 #pragma once
 // What all streams play, back and forth: a procedural scene, or recorded frames.
 
-#include "client/cli/input/motion.hpp"
+#include "client/app/input/motion.hpp"
 #include "client/measure/load/settings.hpp"
 
 namespace collided::cli::load {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "client/cli/daemon/interrupt.hpp"
+#include "client/app/daemon/interrupt.hpp"
 #include "client/measure/load/drive/fleet.hpp"
 
 namespace collided::cli::load {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <sstream>
 
-#include "client/cli/options/usage_error.hpp"
+#include "client/app/options/usage_error.hpp"
 
 namespace collided::cli::load {
 

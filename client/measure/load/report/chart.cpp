@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/cli/output/markup.hpp"
-#include "client/cli/report/numbers.hpp"
+#include "client/app/output/markup.hpp"
+#include "client/app/report/numbers.hpp"
 
 namespace collided::cli::load {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "client/cli/output/markup.hpp"
-#include "client/cli/report/numbers.hpp"
+#include "client/app/output/markup.hpp"
+#include "client/app/report/numbers.hpp"
 #include "client/measure/load/report/chart.hpp"
 #include "client/measure/load/report/plots.hpp"
 #include "client/measure/load/report/style.hpp"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 
 namespace collided::cli::load {
 

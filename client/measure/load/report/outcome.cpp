@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/cli/report/numbers.hpp"
+#include "client/app/report/numbers.hpp"
 
 namespace collided::cli::load {
 

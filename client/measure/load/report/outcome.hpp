@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 #include "client/measure/load/daemon/counters.hpp"
 #include "client/measure/load/drive/phase_run.hpp"
 #include "client/measure/load/settings.hpp"
@@ -35,12 +35,12 @@ struct Outcome {
   v1::Scene scene;      ///< one of them
   uint64_t bytes_per_frame = 0;
   size_t connections = 0, threads = 0;
-  PhaseResult result;             ///< the last run, or the best trial
+  PhaseResult result;                   ///< the last run, or the best trial
   std::vector<Generation> generations;  ///< all runs, in order
-  std::vector<Trial> trials;      ///< of --find-max
-  std::optional<double> best;     ///< the highest rate that held
-  std::optional<Samples> daemon;  ///< what was added to the daemon's counters in the whole run
-  Tally counted;                  ///< what the tester counted in that time, all trials together
+  std::vector<Trial> trials;            ///< of --find-max
+  std::optional<double> best;           ///< the highest rate that held
+  std::optional<Samples> daemon;        ///< what was added to the daemon's counters in the whole run
+  Tally counted;                        ///< what the tester counted in that time, all trials together
 };
 
 /// Whether the tester itself was too slow or too late for its figures to be the daemon's.

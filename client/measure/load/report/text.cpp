@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "client/cli/report/numbers.hpp"
+#include "client/app/report/numbers.hpp"
 #include "client/measure/load/tally/histogram.hpp"
 
 namespace collided::cli::load {
@@ -116,8 +116,9 @@ std::string generations_text(const Json& outcome) {
   std::string out = "\n" + row("generation of scenes", {"setup s", "answered", "p50 ms", "p99 ms", "max ms"});
   int generation = 0;
   for (const Json& run : outcome.at("generations"))
-    out += row(std::to_string(++generation), {format_double("%.3g", run.at("setup_seconds").get<double>()), count(run.at("answered")),
-                                          ms(run.at("p50_ms")), ms(run.at("p99_ms")), ms(run.at("max_ms"))});
+    out += row(std::to_string(++generation),
+               {format_double("%.3g", run.at("setup_seconds").get<double>()), count(run.at("answered")),
+                ms(run.at("p50_ms")), ms(run.at("p99_ms")), ms(run.at("max_ms"))});
   return out + "what follows is the last generation\n";
 }
 
@@ -152,8 +153,8 @@ std::vector<std::pair<std::string, Json>> timed(const Json& outcome) {
 }
 
 std::string outcome_text(const Json& outcome) {
-  std::string out = load_text(outcome) + search_text(outcome) + generations_text(outcome) + times_text(outcome) + counts_text(outcome) +
-                    tester_text(outcome.at("tester")) + comparison_text(outcome);
+  std::string out = load_text(outcome) + search_text(outcome) + generations_text(outcome) + times_text(outcome) +
+                    counts_text(outcome) + tester_text(outcome.at("tester")) + comparison_text(outcome);
   for (const Json& warning : outcome.at("warnings")) out += "warning: " + warning.get<std::string>() + "\n";
   return out;
 }

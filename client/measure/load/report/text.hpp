@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/cli/report/json.hpp"
+#include "client/app/report/json.hpp"
 #include "client/measure/load/tally/tally.hpp"
 
 namespace collided::cli::load {

@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from collided.errors import DataLoss
+from collided.kinds import KINDS
 from collided.v1 import contact_pb2, frame_pb2
 
 if TYPE_CHECKING:
     from collided.contacts.columns import Part
     from collided.layout import Layout
 
-_KINDS = (contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE, contact_pb2.CONTACT_KIND_EDGE_EDGE,
-          contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE)
 _MOST_BARE = 1 << 24  # contacts of a chunk without any array, whose number nothing else confirms
 
 
 def check_chunk(chunk: contact_pb2.ContactChunk) -> None:
     """The kind. Raises DataLoss."""
-    if chunk.kind not in _KINDS:
+    if chunk.kind not in KINDS:
         raise DataLoss(f"contacts.kind is {chunk.kind}, which this client does not know")
     if not chunk.count:
         raise DataLoss("contacts.count is 0; a chunk has 1 contact or more")

@@ -8,31 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from collided.columns import COLUMNS, Column
 from collided.contacts.checks import check_chunk
 from collided.errors import DataLoss
 from collided.v1 import contact_pb2
 
-NO_VERTEX = 2**32 - 1
-
-
-@dataclass(frozen=True)
-class Column:
-    """A field of contacts: its dtype, the shape of one entry, and what stands where a kind of contact has none."""
-
-    name: str
-    dtype: np.dtype
-    shape: tuple[int, ...]
-    missing: Any
-
-
-COLUMNS = {column.name: column for column in (
-    Column("elements", np.dtype("<u4"), (2,), NO_VERTEX),
-    Column("stencils", np.dtype("<u4"), (4,), NO_VERTEX),
-    Column("toi", np.dtype("<f8"), (), np.nan),
-    Column("distance", np.dtype("<f8"), (), np.nan),
-    Column("weights", np.dtype("<f8"), (2,), np.nan),
-    Column("normals", np.dtype("<f4"), (3,), np.nan),
-    Column("flags", np.dtype("u1"), (), 0))}
 Arrays = dict[str, np.ndarray]
 
 
@@ -59,9 +39,8 @@ def read_chunk(chunk: contact_pb2.ContactChunk, shared: Callable[[Any], memoryvi
 
 
 def _array(data: bytes | memoryview, column: Column, count: int) -> np.ndarray:
-    width = column.dtype.itemsize * int(np.prod(column.shape, dtype=int))
-    if len(data) != count * width:
-        raise DataLoss(f"contacts.{column.name} has {len(data)} bytes for {count} contacts; it needs {count * width}")
+    if len(data) != count * column.width:
+        raise DataLoss(f"contacts.{column.name} has {len(data)} bytes for {count} contacts; it needs {count * column.width}")
     return np.frombuffer(bytes(data), column.dtype).reshape(count, *column.shape)  # bytes() copies no bytes
 
 

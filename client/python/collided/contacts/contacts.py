@@ -9,17 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from collided.columns import COLUMNS, HasColumns
 from collided.contacts.answer import Answer
 from collided.contacts.checks import check_done, check_part
-from collided.contacts.columns import COLUMNS, Part, joined
+from collided.contacts.columns import Part, joined
 from collided.contacts.geometry import closest_points, meshes_of
 from collided.contacts.tables import dataframe, records
 from collided.errors import FailedPrecondition, InvalidArgument
+from collided.kinds import KINDS, HasKinds, Kind
 from collided.v1 import contact_pb2, metrics_pb2
-
-VERTEX_TRIANGLE = contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE
-EDGE_EDGE = contact_pb2.CONTACT_KIND_EDGE_EDGE
-TRIANGLE_TRIANGLE = contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE
 
 
 class Flag(enum.IntFlag):
@@ -32,7 +30,7 @@ class Flag(enum.IntFlag):
     SEPARATING = contact_pb2.CONTACT_FLAG_SEPARATING
 
 
-class Contacts:
+class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
     """Contacts of one frame, in canonical order: by kind (vertex-triangle, edge-edge, triangle-triangle), then by ids.
 
     Every array has one row for each contact. An index (a mask, a slice, numbers) gives the contacts that it selects, and so
@@ -107,41 +105,6 @@ class Contacts:
         """uint8[n]: 1 vertex-triangle, 2 edge-edge, 3 triangle-triangle."""
         return self._column("kinds")
 
-    @property
-    def elements(self) -> np.ndarray:
-        """uint32[n][2]: scene-wide ids of the two features."""
-        return self._column("elements")
-
-    @property
-    def stencils(self) -> np.ndarray:
-        """uint32[n][4]: scene-wide vertex ids: vertex and triangle, or the ends of both edges; 2^32 - 1 of triangle pairs."""
-        return self._column("stencils")
-
-    @property
-    def toi(self) -> np.ndarray:
-        """float64[n]: time of impact in [0, 1] of the step; not in DCD."""
-        return self._column("toi")
-
-    @property
-    def distance(self) -> np.ndarray:
-        """float64[n]: distance >= 0 at the time of impact, or in the frame (DCD), in the unit of the positions."""
-        return self._column("distance")
-
-    @property
-    def weights(self) -> np.ndarray:
-        """float64[n][2]: where the closest points are: of the triangle's second and third corner, or along each edge."""
-        return self._column("weights")
-
-    @property
-    def normals(self) -> np.ndarray:
-        """float32[n][3]: unit vectors from the second feature to the first."""
-        return self._column("normals")
-
-    @property
-    def flags(self) -> np.ndarray:
-        """uint8[n]: masks of `Flag`."""
-        return self._column("flags")
-
     def has_flag(self, flag: Flag) -> np.ndarray:
         """bool[n]: whether each contact has it: `contacts[contacts.has_flag(Flag.CERTIFIED)]`."""
         return (self.flags & flag) != 0
@@ -168,20 +131,8 @@ class Contacts:
 
     # Selections.
 
-    @property
-    def vt(self) -> Contacts:
-        """Those of a vertex and a triangle, or another loose element."""
-        return self[self.kinds == VERTEX_TRIANGLE]
-
-    @property
-    def ee(self) -> Contacts:
-        """Those of two edges."""
-        return self[self.kinds == EDGE_EDGE]
-
-    @property
-    def tt(self) -> Contacts:
-        """Those of two triangles."""
-        return self[self.kinds == TRIANGLE_TRIANGLE]
+    def _of_kind(self, kind: Kind) -> Contacts:
+        return self[self.kinds == kind.number]
 
     def of_mesh(self, mesh: str | int) -> Contacts:
         """Those of which a feature is the mesh's, by name or index."""
@@ -239,6 +190,5 @@ class Contacts:
         return self._columns[name]
 
     def __repr__(self) -> str:
-        names = ((VERTEX_TRIANGLE, "vertex-triangle"), (EDGE_EDGE, "edge-edge"), (TRIANGLE_TRIANGLE, "triangle-triangle"))
-        counts = [f"{int((self.kinds == kind).sum())} {name}" for kind, name in names if (self.kinds == kind).any()]
+        counts = [f"{count} {kind.name.replace('_', '-')}" for kind in KINDS.values() if (count := len(self._of_kind(kind)))]
         return f"<Contacts of frame {self.frame_id}: {', '.join(counts) or 'none'}>"

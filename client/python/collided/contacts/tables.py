@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from collided.contacts.columns import COLUMNS
+from collided.columns import COLUMNS
+from collided.kinds import KINDS
 
 if TYPE_CHECKING:
     from collided.contacts.contacts import Contacts
 
-_KIND_NAMES = np.array(["", "vertex_triangle", "edge_edge", "triangle_triangle"])
-_PARTS = {"elements": ("first", "second"), "stencils": ("v0", "v1", "v2", "v3"), "weights": ("w0", "w1"),
-          "normals": ("normal_x", "normal_y", "normal_z")}
+_KIND_NAMES = np.array(["", *(kind.name for kind in KINDS.values())])
 
 
 def records(contacts: Contacts) -> np.ndarray:
@@ -31,11 +30,10 @@ def dataframe(contacts: Contacts) -> Any:
     import pandas  # not needed for anything else
 
     table: dict[str, Any] = {"kind": _KIND_NAMES[contacts.kinds]}
-    for name in COLUMNS:
+    for name, column in COLUMNS.items():
         if contacts.has_column(name):
             values = getattr(contacts, name)
-            parts = _PARTS.get(name)
-            table |= {name: values} if parts is None else {part: values[:, i] for i, part in enumerate(parts)}
+            table |= {part: values[:, i] for i, part in enumerate(column.parts)} if column.parts else {name: values}
     if contacts.has_column("stencils") or contacts.has_column("elements"):
         names = np.array([mesh.name if mesh else "" for mesh in contacts.answer.layout.meshes])
         for i, side in enumerate(("first_mesh", "second_mesh")):

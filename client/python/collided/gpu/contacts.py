@@ -2,65 +2,62 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Optional
 
-import numpy as np
-
-from collided.contacts.columns import COLUMNS, Part, read_chunk
+from collided.columns import COLUMNS, HasColumns
+from collided.contacts.columns import Part, read_chunk
 from collided.errors import DataLoss
 from collided.gpu.arrays import DeviceArray
 from collided.gpu.memory import OutputMemory
+from collided.kinds import KINDS, HasKinds, Kind
 from collided.v1 import contact_pb2, frame_pb2
-
-_NAMES = {contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE: "vt", contact_pb2.CONTACT_KIND_EDGE_EDGE: "ee",
-          contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE: "tt"}
 
 
 @dataclass(eq=False)
-class KindOnDevice:
+class KindOnDevice(HasColumns[Optional[DeviceArray]]):
     """Contacts of one kind, a row each; columns that were not sent are None. Types are those of Contacts."""
 
     count: int = 0
-    elements: DeviceArray | None = None
-    stencils: DeviceArray | None = None
-    toi: DeviceArray | None = None
-    distance: DeviceArray | None = None
-    weights: DeviceArray | None = None
-    normals: DeviceArray | None = None
-    flags: DeviceArray | None = None
+    arrays: Mapping[str, DeviceArray] = field(default_factory=dict)
+
+    def _column(self, name: str) -> DeviceArray | None:
+        return self.arrays.get(name)
 
     def __len__(self) -> int:
         return self.count
 
 
 @dataclass(eq=False)
-class DeviceContacts:
+class DeviceContacts(HasKinds[KindOnDevice]):
     """A frame's contacts: the first of each kind on the device, valid until as many more frames were sent as the window has.
 
     on_host: those that had no room there, after them, in the same order; `output_bytes` makes room.
     """
 
     frame_id: int
-    vt: KindOnDevice = field(default_factory=KindOnDevice)
-    ee: KindOnDevice = field(default_factory=KindOnDevice)
-    tt: KindOnDevice = field(default_factory=KindOnDevice)
+    on_device: dict[Kind, KindOnDevice] = field(default_factory=dict)
     on_host: list[Part] = field(default_factory=list)
     done: frame_pb2.FrameDone = field(default_factory=frame_pb2.FrameDone)
 
     def add(self, chunk: contact_pb2.ContactChunk, memory: OutputMemory) -> None:
         """A chunk of the daemon's."""
-        if chunk.kind not in _NAMES:
+        if chunk.kind not in KINDS:
             raise DataLoss(f"contacts.kind is {chunk.kind}, which this client does not know")
         if not chunk.HasField("shared"):
             self.on_host.append(read_chunk(chunk))
             return
-        arrays = {name: _array(chunk, name, memory) for name in COLUMNS}
-        setattr(self, _NAMES[chunk.kind], KindOnDevice(chunk.count, **arrays))
+        arrays = {name: array for name in COLUMNS if (array := _array(chunk, name, memory)) is not None}
+        self.on_device[KINDS[chunk.kind]] = KindOnDevice(chunk.count, arrays)
+
+    def _of_kind(self, kind: Kind) -> KindOnDevice:
+        return self.on_device.get(kind, KindOnDevice())
 
 
 def _array(chunk: contact_pb2.ContactChunk, name: str, memory: OutputMemory) -> DeviceArray | None:
     column, place = COLUMNS[name], getattr(chunk.shared, name)
-    needed = chunk.count * column.dtype.itemsize * int(np.prod(column.shape, dtype=int))
+    needed = chunk.count * column.width
     if place.size == 0:
         return None
     room = memory.output_bytes

@@ -10,16 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from collided.columns import COLUMNS
 from collided.errors import FailedPrecondition, Unimplemented
 from collided.frames.updates import Incoming, Update
 from collided.in_process import library
 from collided.in_process.library import Library
+from collided.kinds import KINDS
 from collided.layout import Layout
 from collided.v1 import contact_pb2, frame_pb2, metrics_pb2, scene_pb2
 
-_ARRAYS = {"elements": 8, "stencils": 16, "toi": 8, "distance": 8, "weights": 16, "normals": 12, "flags": 1}  # bytes
-_KINDS = (contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE, contact_pb2.CONTACT_KIND_EDGE_EDGE,
-          contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE)
 _NAMES = {"excluded_rings": "exclude_rings", "excludes_rest_pairs": "exclude_rest_pairs"}  # of the library, and here
 
 
@@ -53,7 +52,7 @@ class Result:
 
     def _contacts(self, function: str) -> Iterator[tuple[contact_pb2.ContactKind, library.Contacts]]:
         """Yields each kind that has contacts."""
-        for kind in _KINDS:
+        for kind in KINDS:
             contacts = library.Contacts()
             self._library.call(function, self._pointer, kind, ctypes.byref(contacts))
             if contacts.count:
@@ -71,11 +70,10 @@ class Result:
     def _metrics(self, facts: library.Facts) -> metrics_pb2.FrameMetrics:
         counts = metrics_pb2.FrameCounts(**{name: getattr(facts, name) for name in (
             "cells", "leaves", "top_level", "base_level", "registrations", "tests", "pairs", "exact_decisions")})
-        for i, kind in enumerate(("vertex_triangle", "edge_edge")):
-            setattr(counts, f"candidates_{kind}", facts.candidates[i])
-            setattr(counts, f"survivors_{kind}", facts.survivors[i])
-            setattr(counts, f"contacts_{kind}", facts.contacts[i])
-        counts.contacts_triangle_triangle = facts.contacts[2]
+        for i, kind in enumerate(KINDS.values()):
+            for counter in ("candidates", "survivors", "contacts"):
+                if (field := f"{counter}_{kind.name}") in counts.DESCRIPTOR.fields_by_name:  # triangle pairs have no candidates
+                    setattr(counts, field, getattr(facts, counter)[i])
         metrics = metrics_pb2.FrameMetrics(
             counts=counts, replays=facts.replays, allocations=facts.allocations, graph_launches=facts.graph_launches,
             step_milliseconds=facts.step_milliseconds, broad_phase_engine=facts.broad_phase_engine,
@@ -103,16 +101,16 @@ class Result:
 def _chunk(kind: contact_pb2.ContactKind, contacts: library.Contacts, memory: int = 0) -> contact_pb2.ContactChunk:
     """Names each array by its offset from `memory`."""
     chunk = contact_pb2.ContactChunk(kind=kind, count=contacts.count)
-    for name, width in _ARRAYS.items():
+    for name, column in COLUMNS.items():
         if (address := getattr(contacts, name)) is not None:
             shared = getattr(chunk.shared, name)
-            shared.offset, shared.size = address - memory, contacts.count * width
+            shared.offset, shared.size = address - memory, contacts.count * column.width
     return chunk
 
 
 def _copy(kind: contact_pb2.ContactKind, contacts: library.Contacts) -> contact_pb2.ContactChunk:
-    arrays: dict[str, Any] = {name: ctypes.string_at(address, contacts.count * width) for name, width in _ARRAYS.items()
-              if (address := getattr(contacts, name)) is not None}
+    arrays: dict[str, Any] = {name: ctypes.string_at(address, contacts.count * column.width)
+                              for name, column in COLUMNS.items() if (address := getattr(contacts, name)) is not None}
     return contact_pb2.ContactChunk(kind=kind, count=contacts.count, **arrays)
 
 
@@ -170,9 +168,7 @@ class EngineScene:
 
     def _frame(self, head: frame_pb2.Frame, updates: list[Update]) -> library.Frame:
         array = (library.Update * len(updates))(*(_update(update) for update in updates))
-        frame = library.Frame(updates=array, update_count=len(updates), mode=head.mode, accuracy=head.accuracy,
-                              report=head.report, ignore_separating=head.ignore_separating, advance=head.advance,
-                              trial=head.trial, cancelled=self._ask)
+        frame = library.Frame(head, updates=array, update_count=len(updates), cancelled=self._ask)
         if head.HasField("delta"):
             frame.delta = ctypes.pointer(ctypes.c_double(head.delta))
         if head.HasField("from_last_fraction"):
@@ -233,12 +229,9 @@ def _spec(spec: scene_pb2.SceneSpec, layout: Layout, keep: list[np.ndarray]) -> 
             excludes_rest_pairs=asked.exclude_rest_pairs)
     excluded = [mesh for pair in spec.excluded_meshes for mesh in (pair.first, pair.second)]
     out = library.SceneSpec(
-        meshes=meshes, mesh_count=len(meshes), excluded_meshes=borrowed(excluded), excluded_mesh_count=len(excluded) // 2,
+        spec, meshes=meshes, mesh_count=len(meshes), excluded_meshes=borrowed(excluded), excluded_mesh_count=len(excluded) // 2,
         device=_device(spec), kinds=sum(1 << (kind - 1) for kind in set(spec.kinds)),
-        fields=sum(1 << (field - 1) for field in set(spec.fields)), memory_budget=spec.memory_budget_bytes,
-        **{name: getattr(spec, name) for name in (
-            "mode", "accuracy", "report", "position_format", "broad_phase_engine", "reuse", "thickness", "delta",
-            "min_separation", "rest_distance", "expected_contacts")})
+        fields=sum(1 << (field - 1) for field in set(spec.fields)), memory_budget=spec.memory_budget_bytes)
     if spec.HasField("quantization_box"):
         box = (*spec.quantization_box.lower, *spec.quantization_box.upper)
         out.quantized_in = (ctypes.c_double * 6)(*box)

@@ -8,19 +8,25 @@ import os
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from typing import Any
 
+from collided.columns import COLUMNS
 from collided.errors import FailedPrecondition, error_of
 from collided.programs import bundled_library
 
 _ABI = 1  # COLLIDED_ABI_VERSION
 _NAME = f"libcollided.so.{_ABI}"
+_NUMBERS = (c_double, c_int32, c_uint32, c_uint64)
 CANCELLED = ctypes.CFUNCTYPE(c_int32, c_void_p)
 
 
 class _Sized(ctypes.Structure):
     """A structure whose first member is its size."""
 
-    def __init__(self, **members: Any) -> None:
-        super().__init__(struct_size=ctypes.sizeof(self), **members)
+    def __init__(self, message: Any = None, **members: Any) -> None:
+        """Numbers that the protocol's message has by the same names are members, too, unless they are given otherwise."""
+        same = () if message is None else message.DESCRIPTOR.fields_by_name
+        numbers = {name: getattr(message, name) for name, kind, *_ in self._fields_ if name in same and kind in _NUMBERS
+                   and name not in members}
+        super().__init__(struct_size=ctypes.sizeof(self), **numbers, **members)
 
 
 class Mesh(_Sized):
@@ -66,9 +72,7 @@ class Frame(_Sized):
 
 
 class Contacts(_Sized):
-    _fields_ = [("struct_size", c_size_t), ("count", c_uint64), ("elements", c_void_p), ("stencils", c_void_p),
-                ("toi", c_void_p), ("distance", c_void_p), ("weights", c_void_p), ("normals", c_void_p),
-                ("flags", c_void_p)]
+    _fields_ = [("struct_size", c_size_t), ("count", c_uint64), *((name, c_void_p) for name in COLUMNS)]
 
 
 class Facts(_Sized):

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from collided.errors import DataLoss, FailedPrecondition, ResourceExhausted
+from collided.positions import DTYPES
 from collided.transport.peer import NEEDS_LINUX
 from collided.v1 import local_pb2, scene_pb2
 
@@ -20,7 +21,8 @@ PAGE, ALIGNMENT = 4096, 64  # bytes
 MAX_PACKET_BYTES = 64 << 10
 _UPDATE_BYTES = 256  # of each mesh: its update's message, and the alignment of its arrays
 _MAX_OUTPUT_BYTES, _MAX_EDIT_BYTES = 1 << 30, 256 << 20
-_POSITION_BYTES = {scene_pb2.POSITION_FORMAT_F32: 12, scene_pb2.POSITION_FORMAT_F64: 24, scene_pb2.POSITION_FORMAT_Q16: 6}
+_POSITION_BYTES = {scene_pb2.PositionFormat.Value(f"POSITION_FORMAT_{name.upper()}"): 3 * dtype.itemsize
+                   for name, dtype in DTYPES.items()}
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "client/cli/options/usage_error.hpp"
+#include "client/app/options/usage_error.hpp"
 #include "client/cli/web/demo.hpp"
 
 namespace collided::cli {

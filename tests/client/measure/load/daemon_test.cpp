@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/cli/options/usage_error.hpp"
+#include "client/app/options/usage_error.hpp"
 #include "client/measure/load/daemon/counters.hpp"
 #include "client/measure/load/daemon/http_get.hpp"
 #include "client/measure/load/daemon/limits.hpp"

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/cli/options/usage_error.hpp"
+#include "client/app/options/usage_error.hpp"
 
 namespace collided::cli::load {
 namespace {

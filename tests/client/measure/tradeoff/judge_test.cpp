@@ -8,7 +8,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "client/cli/output/output.hpp"
+#include "client/app/output/output.hpp"
 #include "client/measure/tradeoff/judge.hpp"
 #include "client/measure/tradeoff/report.hpp"
 

@@ -14,7 +14,7 @@ from host_cuda import HostCuda
 from support import TIP, Case, lowered, main, meshes, np
 
 import collided
-from collided.contacts.columns import COLUMNS
+from collided.columns import COLUMNS
 from collided.gpu import Cuda, DeviceSession
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import contact_pb2, frame_pb2, local_pb2, scene_pb2

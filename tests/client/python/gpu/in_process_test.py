@@ -13,7 +13,7 @@ from host_cuda import CpuMemory
 from support import FLOOR, ONE, TIP, lowered, meshes, np
 
 import collided
-from collided.contacts.columns import COLUMNS
+from collided.columns import COLUMNS
 from collided.gpu import DeviceSession
 
 

@@ -122,14 +122,14 @@ TEST_F(LocalOpening, DeviceMemoryIsRefusedByFieldAndValue) {
   EXPECT_TRUE(eventually([&] { return daemon.server().connections() == 0; }));
 }
 
-TEST_F(LocalOpening, DeviceMemoryIsRefusedForAScenesParts) {
+TEST_F(LocalOpening, DeviceMemoryIsRefusedForAScenesShards) {
   Config config = Serving::cpu_config();
   config.cuda_ipc = true;
   Serving daemon({}, config);
-  auto in_parts = test::tip_request();
-  in_parts.mutable_spec()->add_part_devices("cpu:0");
-  in_parts.mutable_spec()->add_part_devices("cpu:0");
-  const std::string scene = daemon.make_scene(in_parts);
+  auto sharded = test::tip_request();
+  sharded.mutable_spec()->add_part_devices("cpu:0");
+  sharded.mutable_spec()->add_part_devices("cpu:0");
+  const std::string scene = daemon.make_scene(sharded);
   auto request = test::open_request(scene, 0, 0);
   request.mutable_open()->set_cuda_ipc_handle(std::string(64, 'h'));
   const RawLocal raw(daemon.path());

@@ -1,0 +1,52 @@
+// Where contacts are: the closest points of their two features, at the time of the contact.
+
+#include "client/app/output/contact_points.hpp"
+
+#include <grpcpp/support/status_code_enum.h>
+
+#include "client/cpp/error.hpp"
+#include "client/scenes/vec3.hpp"
+#include "collided/v1/scene.pb.h"
+
+namespace collided::cli {
+
+namespace {
+
+using scenes::between;
+using Point = scenes::Vec3d;
+
+Point in_triangle(const std::array<Point, 4>& x, const std::array<double, 2>& w) {
+  Point out;
+  for (size_t axis = 0; axis < 3; ++axis)
+    out[axis] = (1 - w[0] - w[1]) * x[1][axis] + w[0] * x[2][axis] + w[1] * x[3][axis];
+  return out;
+}
+
+}  // namespace
+
+uint32_t checked_id(const char* what, uint32_t id, size_t count) {
+  if (id < count) return id;
+  throw client::Error(grpc::DATA_LOSS, std::string("the daemon's contacts name ") + what + " " + std::to_string(id) +
+                                           "; the scene has " + std::to_string(count));
+}
+
+std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::Contacts& contacts, size_t i,
+                                            const StepPositions& positions) {
+  if (contacts.weights.empty() || contacts.stencils.empty()) return {};
+  const bool moves = !positions.start.empty() && !contacts.toi.empty();
+  std::array<Point, 4> x;
+  for (size_t k = 0; k < x.size(); ++k) {
+    const uint32_t vertex = checked_id("vertex", contacts.stencils[i][k], positions.end.size());
+    x[k] = moves ? between(positions.start[vertex], positions.end[vertex], contacts.toi[i]) : positions.end[vertex];
+  }
+  const auto& w = contacts.weights[i];
+  if (kind == v1::CONTACT_KIND_VERTEX_TRIANGLE) return ContactPoints{x[0], in_triangle(x, w)};
+  return ContactPoints{between(x[0], x[1], w[0]), between(x[2], x[3], w[1])};
+}
+
+void ask_for_all_fields(v1::SceneSpec& spec) {
+  for (int field = v1::CONTACT_FIELD_ELEMENTS; field <= v1::ContactField_MAX; ++field)
+    spec.add_fields(static_cast<v1::ContactField>(field));
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,153 @@
+// Says in sentences which meshes touch.
+
+#include "client/app/report/touching.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "client/app/output/contact_points.hpp"
+#include "client/app/report/frame_line.hpp"
+#include "client/app/report/numbers.hpp"
+
+namespace collided::cli {
+
+namespace {
+
+using Pair = std::pair<size_t, size_t>;
+
+/// The mesh that an id belongs to. `ends`: the first id behind each mesh. Throws client::Error (DATA_LOSS) for an id
+/// that the scene does not have.
+size_t mesh_of(uint32_t id, const std::vector<uint64_t>& ends) {
+  checked_id("id", id, ends.empty() ? 0 : ends.back());
+  return static_cast<size_t>(std::upper_bound(ends.begin(), ends.end(), uint64_t{id}) - ends.begin());
+}
+
+struct Ends {
+  std::vector<uint64_t> vertices, elements;
+
+  explicit Ends(std::span<const scenes::Mesh> meshes) {
+    uint64_t vertex = 0, element = 0;
+    for (const scenes::Mesh& mesh : meshes) {
+      vertices.push_back(vertex += mesh.vertex_count);
+      elements.push_back(element += mesh.triangles.size() + mesh.edges.size() + mesh.points.size());
+    }
+  }
+};
+
+/// Contacts of each kind between two meshes.
+std::map<Pair, client::PerKind<uint64_t>> count_pairs(const Touching& touching) {
+  std::map<Pair, client::PerKind<uint64_t>> pairs;
+  const Ends ends(touching.meshes);
+  const auto add = [&](size_t a, size_t b, uint64_t client::PerKind<uint64_t>::*kind) {
+    ++(pairs[std::minmax(a, b)].*kind);
+  };
+  for (const auto& v : touching.output.vertex_triangle.stencils)
+    add(mesh_of(v[0], ends.vertices), mesh_of(v[1], ends.vertices), &client::PerKind<uint64_t>::vertex_triangle);
+  for (const auto& v : touching.output.edge_edge.stencils)
+    add(mesh_of(v[0], ends.vertices), mesh_of(v[2], ends.vertices), &client::PerKind<uint64_t>::edge_edge);
+  for (const auto& e : touching.output.triangle_triangle.elements)
+    add(mesh_of(e[0], ends.elements), mesh_of(e[1], ends.elements), &client::PerKind<uint64_t>::triangle_triangle);
+  return pairs;
+}
+
+std::string plural(uint64_t count, const std::string& noun) {
+  return count_text(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string counts_text(const client::PerKind<uint64_t>& found) {
+  std::string kinds;
+  const auto add = [&](uint64_t count, const std::string& kind) {
+    if (count > 0) kinds += (kinds.empty() ? "" : ", ") + count_text(count) + " " + kind;
+  };
+  add(found.vertex_triangle, "vertex-triangle");
+  add(found.edge_edge, "edge-edge");
+  add(found.triangle_triangle, "triangle-triangle");
+  return plural(found.vertex_triangle + found.edge_edge + found.triangle_triangle, "contact") + " (" + kinds + ")";
+}
+
+std::string distance_text(const v1::SceneSpec& spec) {
+  return spec.thickness() > 0 ? " at a thickness of " + format_double("%.6g", spec.thickness()) : "";
+}
+
+std::string pair_text(const Touching& touching, const Pair& pair, bool touches) {
+  const std::string& first = touching.meshes[pair.first].name;
+  if (pair.first == pair.second) return first + (touches ? " touches itself" : " does not touch itself");
+  return first + " and " + touching.meshes[pair.second].name + (touches ? " touch" : " do not touch");
+}
+
+struct Box {
+  scenes::Vec3d lower{}, upper{};
+  bool contains(const Box& o) const {
+    for (size_t k = 0; k < 3; ++k)
+      if (o.lower[k] < lower[k] || o.upper[k] > upper[k]) return false;
+    return true;
+  }
+};
+
+Box box_of(std::span<const scenes::Vec3d> positions) {
+  Box box{positions.front(), positions.front()};
+  for (const scenes::Vec3d& p : positions)
+    for (size_t k = 0; k < 3; ++k)
+      box.lower[k] = std::min(box.lower[k], p[k]), box.upper[k] = std::max(box.upper[k], p[k]);
+  return box;
+}
+
+/// Explains a missing contact that a newcomer may expect: meshes are surfaces, not solids.
+std::string inside_text(const Touching& touching) {
+  std::vector<Box> boxes;
+  size_t at = 0;
+  for (const scenes::Mesh& mesh : touching.meshes) {
+    boxes.push_back(box_of(touching.positions.subspan(at, mesh.vertex_count)));
+    at += mesh.vertex_count;
+  }
+  for (size_t a = 0; a < boxes.size(); ++a)
+    for (size_t b = 0; b < boxes.size(); ++b)
+      if (a != b && boxes[a].contains(boxes[b]))
+        return "; the box around " + touching.meshes[b].name + " is within that around " + touching.meshes[a].name +
+               ", but meshes are surfaces: one wholly inside another has no contact";
+  return "";
+}
+
+}  // namespace
+
+Json touching_json(const Touching& touching) {
+  Json out = Json::array();
+  for (const auto& [pair, found] : count_pairs(touching))
+    out.push_back({{"meshes", {touching.meshes[pair.first].name, touching.meshes[pair.second].name}},
+                   {"contact_count", found.vertex_triangle + found.edge_edge + found.triangle_triangle}});
+  return out;
+}
+
+std::string touching_text(const Touching& touching) {
+  const std::string distance = distance_text(touching.spec);
+  const size_t meshes = touching.meshes.size();
+  const Pair all{0, meshes - 1};
+  if (!touching.output.done.any_contact())
+    return (meshes <= 2 ? pair_text(touching, all, false) : "none of the " + std::to_string(meshes) + " meshes touch") +
+           distance + inside_text(touching);
+  const auto pairs = count_pairs(touching);
+  if (pairs.empty())  // only whether there is a contact was asked
+    return (meshes <= 2 ? pair_text(touching, all, true) : "some of the " + std::to_string(meshes) + " meshes touch") +
+           distance;
+  std::string text;
+  for (const auto& [pair, found] : pairs)
+    text += (text.empty() ? "" : "\n") + pair_text(touching, pair, true) + distance + ": " + counts_text(found);
+  const auto between = static_cast<size_t>(std::count_if(
+      pairs.begin(), pairs.end(), [](const auto& pair) { return pair.first.first != pair.first.second; }));
+  const size_t others = meshes * (meshes - 1) / 2 - between;
+  if (meshes > 2 && others > 0)
+    text +=
+        others == 1 ? "\nthe other pair does not touch" : "\nthe other " + count_text(others) + " pairs do not touch";
+  return text;
+}
+
+std::string step_text(const std::string& name, const v1::FrameDone& done, const v1::SceneSpec& spec) {
+  std::string text = name + (done.any_contact() ? ": there is contact" : ": there is no contact") + distance_text(spec);
+  if (done.any_contact() && spec.report() != v1::REPORT_ANY_HIT) text += ", " + plural(done.contact_count(), "contact");
+  if (done.any_contact() && has_times(done, spec))
+    text += ", the first at " + format_double("%.6g", done.earliest_toi()) + " of the step";
+  return text;
+}
+
+}  // namespace collided::cli

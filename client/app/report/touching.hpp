@@ -1,0 +1,30 @@
+#pragma once
+// Says in sentences which meshes touch.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client/app/report/json.hpp"
+#include "client/scenes/scene.hpp"
+
+namespace collided::cli {
+
+/// Meshes that stand still, and the contacts between them.
+struct Touching {
+  std::span<const scenes::Mesh> meshes;
+  std::span<const scenes::Vec3d> positions;  ///< of all meshes
+  const client::FrameOutput& output;
+  const v1::SceneSpec& spec;
+};
+
+/// Pairs of meshes that touch: their names and the number of contacts. Empty if the spec asks for no contacts.
+Json touching_json(const Touching& touching);
+
+/// A sentence for each pair that touches, or one that says that none does.
+std::string touching_text(const Touching& touching);
+
+/// The same of a mesh that moves from one frame to the next.
+std::string step_text(const std::string& name, const v1::FrameDone& done, const v1::SceneSpec& spec);
+
+}  // namespace collided::cli

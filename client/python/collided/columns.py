@@ -1,0 +1,81 @@
+"""The columns of contacts. A column is a row of COLUMNS, in the order of the C interface, and a property of HasColumns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+NO_VERTEX = 2**32 - 1
+Values = TypeVar("Values", covariant=True)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A field of contacts: how a scene asks for it, its dtype, the shape of one entry, what stands where a kind of contact
+    has none, and the names that a table of one number a cell gives to its parts."""
+
+    name: str
+    field: str
+    dtype: np.dtype
+    shape: tuple[int, ...]
+    missing: Any
+    parts: tuple[str, ...] = ()
+
+    @property
+    def width(self) -> int:
+        """Bytes of one entry."""
+        return self.dtype.itemsize * int(np.prod(self.shape, dtype=int))
+
+
+COLUMNS = {column.name: column for column in (
+    Column("elements", "elements", np.dtype("<u4"), (2,), NO_VERTEX, ("first", "second")),
+    Column("stencils", "stencil", np.dtype("<u4"), (4,), NO_VERTEX, ("v0", "v1", "v2", "v3")),
+    Column("toi", "toi", np.dtype("<f8"), (), np.nan),
+    Column("distance", "distance", np.dtype("<f8"), (), np.nan),
+    Column("weights", "weights", np.dtype("<f8"), (2,), np.nan, ("w0", "w1")),
+    Column("normals", "normal", np.dtype("<f4"), (3,), np.nan, ("normal_x", "normal_y", "normal_z")),
+    Column("flags", "flags", np.dtype("u1"), (), 0))}
+
+
+class HasColumns(Generic[Values]):
+    """Contacts, an array for each of their columns."""
+
+    def _column(self, name: str) -> Values:
+        raise NotImplementedError
+
+    @property
+    def elements(self) -> Values:
+        """uint32[n][2]: scene-wide ids of the two features."""
+        return self._column("elements")
+
+    @property
+    def stencils(self) -> Values:
+        """uint32[n][4]: scene-wide vertex ids: vertex and triangle, or the ends of both edges; 2^32 - 1 of triangle pairs."""
+        return self._column("stencils")
+
+    @property
+    def toi(self) -> Values:
+        """float64[n]: time of impact in [0, 1] of the step; not in DCD."""
+        return self._column("toi")
+
+    @property
+    def distance(self) -> Values:
+        """float64[n]: distance >= 0 at the time of impact, or in the frame (DCD), in the unit of the positions."""
+        return self._column("distance")
+
+    @property
+    def weights(self) -> Values:
+        """float64[n][2]: where the closest points are: of the triangle's second and third corner, or along each edge."""
+        return self._column("weights")
+
+    @property
+    def normals(self) -> Values:
+        """float32[n][3]: unit vectors from the second feature to the first."""
+        return self._column("normals")
+
+    @property
+    def flags(self) -> Values:
+        """uint8[n]: masks of `Flag`."""
+        return self._column("flags")
