@@ -19,6 +19,10 @@ struct Tolerance {
   Work delta;  ///< scaled
 };
 
+/// Tolerance in units of the query's extent where none is given: what a few more iterations cannot improve.
+COLLIDED_HD inline float default_delta(float) { return 0x1p-20f; }
+COLLIDED_HD inline double default_delta(double) { return 0x1p-48; }
+
 /// How far a query has come: apart on [0, t) for certain, with the pace that was right so far.
 struct Progress {
   float t = 0;

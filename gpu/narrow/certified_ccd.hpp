@@ -8,10 +8,6 @@
 
 namespace collided {
 
-/// Tolerance in units of the query's extent where none is given: what a few more iterations cannot improve.
-COLLIDED_HD inline float default_delta(float) { return 0x1p-20f; }
-COLLIDED_HD inline double default_delta(double) { return 0x1p-48; }
-
 /// The contact's data at time t, as far as the features' differences tell.
 template <class Real, class Work, int N>
 COLLIDED_HD ContactData<Real> contact_at(const Differences<Work, N>& d, Work t, uint8_t flags) {

@@ -10,7 +10,7 @@
 // - f' in double: 18 products of three, all roundings together are below 256u D,
 // - |f''| is at most 6 determinants, below 36 D^2.
 
-#include "gpu/exact/fixed/twofold.hpp"
+#include "gpu/base/twofold.hpp"
 #include "gpu/exact/fixed/weights.hpp"
 
 namespace collided::exact::fixed {

@@ -15,7 +15,6 @@ namespace collided::test {
 namespace {
 
 using exact::fixed::Outcome;
-using exact::fixed::Twofold;
 using exact::fixed::Verdict;
 
 mpq_class value(const Twofold& a) { return mpq_class(a.high) + mpq_class(a.low); }
@@ -26,16 +25,16 @@ double any_number(std::mt19937_64& random) {
   return std::ldexp(number(random), exponent(random));
 }
 Twofold any_twofold(std::mt19937_64& random) {
-  return exact::fixed::exact_sum(any_number(random), any_number(random) * 0x1p-60);
+  return exact_sum(any_number(random), any_number(random) * 0x1p-60);
 }
 
 TEST(Twofold, SumsAndProductsOfDoublesAreExact) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 20000; ++i) {
     const double a = any_number(random), b = any_number(random);
-    ASSERT_EQ(value(exact::fixed::exact_sum(a, b)), mpq_class(a) + mpq_class(b));
-    ASSERT_EQ(value(exact::fixed::exact_product(a, b)), mpq_class(a) * mpq_class(b));
-    ASSERT_EQ(exact::fixed::exact_product(a, b).low, std::fma(a, b, -(a * b))) << "as on a GPU";
+    ASSERT_EQ(value(exact_sum(a, b)), mpq_class(a) + mpq_class(b));
+    ASSERT_EQ(value(exact_product(a, b)), mpq_class(a) * mpq_class(b));
+    ASSERT_EQ(exact_product(a, b).low, std::fma(a, b, -(a * b))) << "as on a GPU";
   }
 }
 

@@ -5,7 +5,7 @@
 
 #include "gpu/base/vec3.hpp"
 
-namespace collided::exact::fixed {
+namespace collided {
 
 struct Twofold {
   double high = 0, low = 0;
@@ -58,4 +58,4 @@ COLLIDED_HD inline Vec3<Twofold> scaled(const Vec3<Twofold>& a, double scale) {
 }
 COLLIDED_HD inline Vec3<double> rounded(const Vec3<Twofold>& a) { return {a.x.high, a.y.high, a.z.high}; }
 
-}  // namespace collided::exact::fixed
+}  // namespace collided

@@ -1,0 +1,49 @@
+#pragma once
+// Pairs that no choice of fractions can bring near each other. Every vertex of a step ends somewhere between its start
+// x and its target p, each at a fraction of its own. A plane that parts the hulls of both features' x and p by s, and
+// by what rounding may move a vertex off the straight way between them, parts whatever they do by more than s.
+
+#include "gpu/narrow/floors.hpp"
+
+namespace collided {
+
+/// True if the direction parts everything that both features may reach by more than `distance`; false says nothing.
+/// `off`: how far each coordinate may be off the straight way. `scale`: of the differences that n was made from.
+template <class Kind, class Real>
+COLLIDED_HD bool hulls_are_apart_along(const Direction<double>& direction, const FeaturePoints<Real>& p,
+                                       double distance, double off, double scale) {
+  constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+  if (!(direction.length > 0)) return false;
+  const Vec3<double>& n = direction.n;
+  const double sum = magnitude(n.x) + magnitude(n.y) + magnitude(n.z);
+  const double widened = scaled_thickness<double>(off, scale) * (2 * sum);
+  const double offset = (offset_along(direction, scaled_thickness<double>(distance, scale)) + widened) *
+                        (1 + 16 * Precision<double>::kUnit);
+  bool is_apart = true;
+  for (int i = 0; i < kFirst; ++i)
+    for (int j = kFirst; j < 4; ++j)
+      for (const Vec3<Real>* a : {&p.start[i], &p.end[i]})
+        for (const Vec3<Real>* b : {&p.start[j], &p.end[j]}) {
+          const Vec3<double> difference = scale * (convert<double>(*a) - convert<double>(*b));
+          is_apart = is_apart && lower_bound_along(n, difference, offset) > 0;
+        }
+  return is_apart;
+}
+
+/// True if the features stay farther apart than `distance` for certain, and end so, however far each of their vertices
+/// goes from p.start towards p.end. False says nothing.
+template <class Kind, class Real>
+COLLIDED_HD bool hulls_are_apart(const FeaturePoints<Real>& p, double distance) {
+  DifferencesOf<double, Kind> d;
+  if (!load_differences<Kind, double>(p, d)) return false;
+  const double off = PositionNoise<Real>::kOfBlend * largest_coordinate(p);
+  constexpr uint32_t kTried = 4;  // the vector between the closest points, and its rejections from edges
+  for (const double t : {0.0, 0.5, 1.0}) {
+    const PreciseDirections<double, DifferenceOf<Kind>::kCount> directions(d, t);
+    for (uint32_t k = 0; k < kTried; ++k)
+      if (hulls_are_apart_along<Kind>(directions[k], p, distance, off, d.scale)) return true;
+  }
+  return false;
+}
+
+}  // namespace collided

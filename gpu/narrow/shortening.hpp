@@ -1,0 +1,143 @@
+#pragma once
+// Steps that go as far as they can: each vertex ends at y = blend(x, p, a), a fraction of its own or of its group. All
+// fractions begin at 1. Rounds look at the pairs of features whose vertices changed: a pair passes if its straight way
+// from x to y, as rounded, keeps its floors (floors.hpp). A pair that fails proposes shares of what its vertices go
+// now, a vertex takes the least, and its fraction shrinks by it.
+//
+// A proposal follows from x, y and the pair's own floors alone, and a least number does not depend on an order, so
+// neither do the fractions. Proposals become blunter with the rounds, so that they end: times of impact, then a plane
+// that both sides stop at, then pairs stand still, then all that is connected to them. Where a pair has passed it need
+// not be looked at again until a fraction of its vertices changes.
+
+#include "gpu/narrow/certified_way.hpp"
+#include "gpu/narrow/floors.hpp"
+#include "gpu/narrow/tiny_pairs.hpp"
+
+namespace collided {
+
+/// How failed pairs shorten their vertices' ways, by the round.
+enum class Shortening { kTimes, kPlanes, kStand, kIslands };
+
+COLLIDED_HD inline Shortening shortening_of(uint32_t round) {
+  constexpr uint32_t kPlanesFrom = 12, kStandFrom = 24, kIslandsFrom = 96;
+  if (round < kPlanesFrom) return Shortening::kTimes;
+  if (round < kStandFrom) return Shortening::kPlanes;
+  return round < kIslandsFrom ? Shortening::kStand : Shortening::kIslands;
+}
+
+/// Returns a vertex's or group's fraction after the least of the shares proposed to it. Ways that round to nothing end
+/// the rounds sooner.
+COLLIDED_HD inline double shortened(double fraction, double share) {
+  constexpr double kLeast = 0x1p-44;
+  const double next = fraction * share;
+  return next < kLeast ? 0 : next;
+}
+
+/// Returns the differences of features that stand still as they are at t.
+template <int N>
+COLLIDED_HD Differences<double, N> standing_at(const Differences<double, N>& d, double t) {
+  Differences<double, N> still;
+  still.extent = 0, still.scale = d.scale;
+  for (int k = 0; k < N; ++k) {
+    still.start[k] = still.end[k] = d.at(k, t);
+    still.extent = max(still.extent, largest_component(still.start[k]));
+  }
+  return still;
+}
+
+template <class Real>
+COLLIDED_HD bool stands_still(const FeaturePoints<Real>& way) {
+  for (int i = 0; i < 4; ++i) {
+    const Vec3<Real>&x = way.start[i], &y = way.end[i];
+    if (!(x.x == y.x && x.y == y.y && x.z == y.z)) return false;
+  }
+  return true;
+}
+
+/// True if a pair keeps its floors on the straight way from x to y, for certain.
+template <class Kind, class Real>
+COLLIDED_HD bool keeps_floors(const FeaturePoints<Real>& way, const PairFloors& floors) {
+  if (stands_still(way)) return true;
+  if (floors.is_tiny) {
+    const CertifiedDistance start = certified_distance<Kind>(way.start);
+    return start.value > 0 && comes_no_nearer_along<Kind>(start.along.n, way);
+  }
+  if (!(certified_distance<Kind>(way.end).value >= floors.end)) return false;
+  DifferencesOf<double, Kind> d;
+  return load_differences<Kind, double>(way, d) && certified_way(d, floors.way).is_free;
+}
+
+/// The shares of its vertices' ways that a failed pair proposes, each from 0 to 1. At least one vertex that moves gets
+/// less than 1.
+struct Shares {
+  double of[4];
+
+  COLLIDED_HD static Shares all(double share) { return {{share, share, share, share}}; }
+};
+
+namespace detail {
+
+/// How far each vertex goes towards the other feature along n, which points to the first feature's side.
+template <class Kind, class Real>
+COLLIDED_HD void approaches_along(const Vec3<double>& n, const FeaturePoints<Real>& way, double (&towards)[4]) {
+  constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+  for (int i = 0; i < 4; ++i) {
+    const double along = dot(n, convert<double>(way.end[i]) - convert<double>(way.start[i]));
+    towards[i] = i < kFirst ? -along : along;
+  }
+}
+
+/// Vertices that approach stop a little before the features come as near as they may.
+template <class Kind, class Real>
+COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloors& floors) {
+  constexpr double kKept = 0.99;
+  DifferencesOf<double, Kind> d;
+  if (!load_differences<Kind, double>(way, d)) return Shares::all(0);
+  const double until = min(certified_way(d, floors.kept).until, 1.0);
+  Direction<double> direction = certified_distance(standing_at(d, until)).along;
+  if (!(direction.length > 0)) direction = certified_distance<Kind>(way.start).along;
+  double towards[4];
+  approaches_along<Kind>(direction.n, way, towards);
+  const bool any_approaches = towards[0] > 0 || towards[1] > 0 || towards[2] > 0 || towards[3] > 0;
+  Shares shares = Shares::all(1);
+  for (int i = 0; i < 4; ++i)
+    if (towards[i] > 0 || !any_approaches) shares.of[i] = kKept * until;
+  return shares;
+}
+
+/// Both features stop at planes across the direction at the start, which share the room between them by how far each
+/// goes.
+template <class Kind, class Real>
+COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFloors& floors) {
+  constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+  constexpr double kOfRoom = 0.9, kLess = 1 - 0x1p-20;
+  const CertifiedDistance start = certified_distance<Kind>(way.start);
+  if (!(start.along.length > 0)) return Shares::all(0);
+  double towards[4], most[2] = {0, 0};
+  approaches_along<Kind>((1 / start.along.length) * start.along.n, way, towards);
+  for (int i = 0; i < 4; ++i) most[i < kFirst ? 0 : 1] = max(most[i < kFirst ? 0 : 1], towards[i]);
+  // What the floor leaves, less than rounding takes: of y, and of its distance.
+  const double room = kOfRoom * max(start.value - floors.end - 0.75 * floors.noise, 0.0);
+  Shares shares = Shares::all(1);
+  bool any_shortened = false;
+  for (int i = 0; i < 4; ++i) {
+    const double own = most[0] + most[1] > 0 ? room * (most[i < kFirst ? 0 : 1] / (most[0] + most[1])) : 0;
+    if (!(towards[i] > own)) continue;
+    shares.of[i] = own / towards[i] * kLess;
+    any_shortened = true;
+  }
+  return any_shortened ? shares : Shares::all(0);
+}
+
+}  // namespace detail
+
+/// Returns what a pair proposes that does not keep its floors on the way from x to y.
+template <class Kind, class Real>
+COLLIDED_HD Shares shares_of_failed(const FeaturePoints<Real>& way, const PairFloors& floors, Shortening how) {
+  if (floors.is_tiny) return Shares::all(0);
+  if (how == Shortening::kTimes) return detail::shares_by_time<Kind>(way, floors);
+  if (how == Shortening::kPlanes) return detail::shares_by_planes<Kind>(way, floors);
+  return Shares::all(0);
+}
+
+}  // namespace collided
