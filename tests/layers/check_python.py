@@ -16,7 +16,7 @@ FOLDERS = {
     "contacts": {"columns", "errors", "frames", "kinds", "layout"},
     "connection": {"arrays", "choices", "errors", "layout", "leftovers", "options", "programs"},
     "in_process": {"columns", "connection", "errors", "frames", "kinds", "layout", "options", "programs"},
-    "transport": {"connection", "errors", "frames", "in_process", "positions"},
+    "transport": {"arrays", "connection", "errors", "frames", "in_process", "positions"},
     "gpu": {"columns", "contacts", "errors", "frames", "in_process", "kinds", "layout", "leftovers", "scene", "transport"},
 }
 # Packages of others, and where they may be used; numpy everywhere.

@@ -47,6 +47,11 @@ def real(value: Any) -> float:
         return math.inf if value > 0 else -math.inf
 
 
+def is_whole(value: Any, most: float) -> bool:
+    """Whether it is an integer from 0 to `most`; a bool is none."""
+    return not isinstance(value, bool) and isinstance(value, (int, np.integer)) and 0 <= value <= most
+
+
 def numbers(values: Any, argument: str) -> np.ndarray:
     """An array of real numbers."""
     try:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from collided.arrays import is_whole
 from collided.choices import check_text
 from collided.errors import InvalidArgument
 from collided.meshes import Mesh, as_mesh
@@ -58,7 +59,7 @@ class Layout:
                 known = ", ".join(map(repr, self._indices))
                 raise InvalidArgument(f"mesh {mesh!r} is not in the scene, which has {known[:400]}", field="mesh")
             return self._indices[mesh]
-        if isinstance(mesh, bool) or not isinstance(mesh, (int, np.integer)) or not 0 <= mesh < len(self.meshes):
+        if not is_whole(mesh, len(self.meshes) - 1):
             raise InvalidArgument(f"mesh is {mesh!r}; it must be a name, or an index below {len(self.meshes)}",
                                   field="mesh")
         if self.meshes[mesh] is None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from collided.arrays import real
+from collided.arrays import is_whole, real
 from collided.choices import check_text, choice, word
 from collided.columns import COLUMNS
 from collided.errors import InvalidArgument
@@ -123,7 +123,7 @@ def words(values: Any, argument: str) -> list[Any]:
 
 
 def _check_count(value: Any, argument: str, bits: int) -> None:
-    if not isinstance(value, (int, np.integer)) or not 0 <= value < 2**bits:
+    if not is_whole(value, 2**bits - 1):
         raise InvalidArgument(f"{argument} is {value!r}; it must be from 0 to 2^{bits} - 1", field=argument)
 
 

@@ -118,6 +118,7 @@ class Scenes(Case):
                 ("fields is 'colour'", {"fields": ["colour"]}),
                 ("position_format is 'q16' and quantization_box is None", {"position_format": "q16"}),
                 ("memory_budget is -5", {"memory_budget": -5}),
+                ("memory_budget is True", {"memory_budget": True}),
                 (r"expected_contacts is 4294967296; it must be from 0 to 2\^32 - 1", {"expected_contacts": 1 << 32}),
                 ("'walls' is not in the scene", {"exclude": [("tip", "walls")]}),
                 ("is no pair", {"exclude": ["tip"]}),

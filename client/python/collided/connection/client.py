@@ -17,6 +17,7 @@ import grpc
 import numpy as np
 
 import collided.leftovers as leftovers
+from collided.arrays import UINT32_MAX, is_whole
 from collided.choices import check_text
 from collided.connection.channel import MAX_ANSWER_BYTES, ask_for_info, end_elsewhere, metadata, open_channel
 from collided.connection.connection import Connection
@@ -36,7 +37,6 @@ _UPLOADS_AT_ONCE = 8
 _MAX_INLINE_BYTES = 4 << 20  # of triangles in the message that creates a scene
 _CREATE_TRIES, _RETRY_SECONDS = 3, 0.2
 _MOST_SCENES = 1_000_000  # that a daemon can have
-_UINT32_MAX = 2**32 - 1
 
 
 class Client:
@@ -114,7 +114,7 @@ class Client:
         NotFound; InvalidArgument for a mesh that the scene does not have; Aborted if edits keep changing it.
         """
         check_text(scene_id, "scene_id")
-        if isinstance(mesh, bool) or not isinstance(mesh, (int, np.integer)) or not 0 <= mesh <= _UINT32_MAX:
+        if not is_whole(mesh, UINT32_MAX):
             raise InvalidArgument(f"mesh is {mesh!r}; it must be an index from 0", field="mesh")
 
         until = time.monotonic() + self.options.deadline
@@ -178,7 +178,7 @@ class Client:
 
     def create_scenes(self, layout: Layout, options: SceneOptions, count: int, lease_seconds: float) -> scene_pb2.Scene:
         """The same for a set of `count` scenes of one spec."""
-        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or not 0 <= count <= _UINT32_MAX:
+        if not is_whole(count, UINT32_MAX):
             raise InvalidArgument(f"count is {count!r}; it must be from 1 to 65536", field="count")
         check_seconds(lease_seconds, "lease_seconds")
         request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from collided.arrays import UINT32_MAX, check_below, ids, points
+from collided.arrays import UINT32_MAX, check_below, ids, is_whole, points
 from collided.choices import check_flag, check_text, choice, word
 from collided.errors import InvalidArgument
 from collided.meshes.files import read_mesh_file
@@ -71,7 +71,7 @@ class Mesh:
 
     def _check_whole(self, name: str, limit: int) -> None:
         value = getattr(self, name)
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= limit:
+        if not is_whole(value, limit):
             raise InvalidArgument(f"{name} is {value!r}; it must be from 0 to {limit}", field=name)
 
     def _keep(self, name: str, array: np.ndarray) -> None:

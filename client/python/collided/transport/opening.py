@@ -6,8 +6,7 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from collided.arrays import is_whole
 from collided.connection.channel import metadata
 from collided.connection.client import Client
 from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, InvalidArgument, NotFound,
@@ -45,10 +44,10 @@ class StreamOptions:
                                   field="transport")
         for name, limit in (("window", 2**32 - 1), ("output_bytes", 2**63), ("edit_bytes", 2**63)):
             value: Any = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= limit:
+            if not is_whole(value, limit):
                 raise InvalidArgument(f"{name} is {value!r}; it must be from 0 to {limit}", field=name)
         user: Any = self.daemon_user
-        if user is not None and (isinstance(user, bool) or not isinstance(user, (int, np.integer)) or not 0 <= user < 2**32):
+        if user is not None and not is_whole(user, 2**32 - 1):
             raise InvalidArgument(f"daemon_user is {user!r}; it must be a user's number, or None", field="daemon_user")
 
 
