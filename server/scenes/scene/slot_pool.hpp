@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <new>
 #include <vector>
 
 #include "gpu/detector.hpp"
@@ -45,9 +46,11 @@ class SlotPool : public std::enable_shared_from_this<SlotPool> {
     }
     return maker ? maker->make_slot() : nullptr;
   }
-  void give_back(const std::shared_ptr<FrameSlot>& slot) {
+  /// Frees it where memory for the list is short: this is called where nothing may be thrown.
+  void give_back(const std::shared_ptr<FrameSlot>& slot) try {
     const std::lock_guard lock(mutex_);
     if (maker_) free_.push_back(slot);
+  } catch (const std::bad_alloc&) {
   }
 
   std::mutex mutex_;
