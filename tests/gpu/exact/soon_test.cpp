@@ -24,9 +24,7 @@ double any_number(std::mt19937_64& random) {
   std::uniform_int_distribution<int> exponent(-40, 40);
   return std::ldexp(number(random), exponent(random));
 }
-Twofold any_twofold(std::mt19937_64& random) {
-  return exact_sum(any_number(random), any_number(random) * 0x1p-60);
-}
+Twofold any_twofold(std::mt19937_64& random) { return exact_sum(any_number(random), any_number(random) * 0x1p-60); }
 
 TEST(Twofold, SumsAndProductsOfDoublesAreExact) {
   std::mt19937_64 random(1);
