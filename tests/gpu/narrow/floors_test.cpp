@@ -175,6 +175,7 @@ Query gone(Query query, Random& random) {
 Query beside_a_plane(QueryKind kind, Random& random, double gap, double offset) {
   Query query{kind, {}};
   const Vec3d base = random.vector(offset);
+  const bool is_flat = random.chance(0.5);  // so that many ways come as near as the hulls
   Vec3d n = random.vector(1);
   const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) + 1e-3;
   n = times(1 / length, n);
@@ -182,7 +183,7 @@ Query beside_a_plane(QueryKind kind, Random& random, double gap, double offset) 
     const bool is_first = i % 4 < first_feature(kind);
     Vec3d p = random.vector(1);
     const double along = p[0] * n[0] + p[1] * n[1] + p[2] * n[2];
-    const double height = (is_first ? 1 : -1) * gap * random.within(0.4, 1) + (random.chance(0.5) ? 0 : gap * 0.1);
+    const double height = (is_first ? 1 : -1) * gap * (is_flat ? 0.5 : random.within(0.4, 1));
     p = plus(p, times(height - along, n));
     query.p[i] = plus(base, p);
   }
@@ -200,17 +201,22 @@ void check_hulls(double offset, uint64_t seed) {
   Random random(seed);
   const double rounding = PositionNoise<Real>::kOfBlend * (offset + 2);
   int told = 0, near = 0, on_the_way = 0;
-  constexpr int kCount = 1500;
+  constexpr int kCount = 600;
   for (int i = 0; i < kCount; ++i) {
     const double gap = rounding * std::exp2(random.within(1, 12));
     const QueryKind kind = i % 2 ? QueryKind::kVertexTriangle : QueryKind::kEdgeEdge;
     Query query = beside_a_plane(kind, random, gap, offset);
     for (Vec3d& p : query.p)
       for (double& x : p) x = static_cast<Real>(x);
-    const double distance = gap * random.within(0, 0.8);
+    // The greatest distance that is told, as nearly as doubles have it.
+    double distance = 0, above = gap * 2;
     if (!told_hulls_apart<Real>(query, distance)) continue;
+    for (int k = 0; k < 40; ++k) {
+      const double middle = (distance + above) / 2;
+      (told_hulls_apart<Real>(query, middle) ? distance : above) = middle;
+    }
     ++told;
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < 8; ++k) {
       const Query way = gone<Real>(query, random);
       near += judge_proximity(kind, {way.p[4], way.p[5], way.p[6], way.p[7]}, distance);
       on_the_way += judge_ccd(way, distance).hit;

@@ -114,6 +114,33 @@ TEST(FreeSteps, OfWhatFallsOrIsPushedTogether) {
   }
 }
 
+// A corner passes another one at a distance that both ends of the way say nothing of.
+TEST(FlyBys, KeepSevenEighthsOnTheWay) {
+  Random random(9);
+  Findings findings;
+  size_t free = 0, stopped = 0, between = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double height = kM * (random.chance(0.5) ? random.within(0.3, 0.874) : random.within(0.876, 1.3));
+    const std::vector<std::array<uint32_t, 3>> faces{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+    StepScene scene;
+    scene.add({{0, 0, 0}, {-0.1, -0.2, -0.3}, {0.2, -0.1, -0.3}, {0, 0.2, -0.3}}, faces, true);
+    const double from = random.within(-0.6, -0.2);
+    scene.add({{from, 0, height}, {from, -0.02, 0.1}, {from, 0.02, 0.1}, {from - 0.02, 0, 0.1}}, faces);
+    const Turn tilt(random.vector(2));
+    for (Vec3d& p : scene.positions) p = tilt(p);
+    const auto p = moved_by(scene, scene.positions, 1, tilt({1, 0, 0}));
+    SerialSteps<double> steps(scene, kM, kFractionsOf[i % 3]);
+    const StepResult result = steps.advance(scene.positions, p);
+    judge_step(scene, steps, kM, scene.positions, p, result, ~size_t{0}, random, findings);
+    const bool is_free = least_of(result.fractions) == 1;
+    free += is_free, stopped += !is_free, between += height > 7.0 / 8 * kM && height < kM;
+    EXPECT_EQ(is_free, height > 0.875 * kM) << height;
+  }
+  std::printf("%zu passed by, %zu stopped, %zu at between 7/8 and 1 of the minimum separation\n", free, stopped,
+              between);
+  findings.expect_none();
+}
+
 // What touches stands; all else is free.
 TEST(TouchingStarts, StandUnlessTheyPart) {
   const StepScene scene = cube_over_floor(0);

@@ -112,6 +112,50 @@ void play_all(uint64_t first_seed, uint32_t first_round) {
   }
 }
 
+template <class Kind, class Real>
+void count_planes(uint64_t seed) {
+  constexpr size_t kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+  constexpr QueryKind kKind = kFirst == 1 ? QueryKind::kVertexTriangle : QueryKind::kEdgeEdge;
+  Random random(seed);
+  int failed = 0, failed_again = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double gap = 1e-3 * random.within(0.5, 1.5), way_size = gap * std::exp2(random.integer(-20, 6));
+    const Turn turn(random.vector(2));
+    const Vec3d offset = random.vector(random.chance(0.5) ? 0 : 4);
+    FeaturePoints<Real> way;
+    const auto real = [](const Vec3d& p) {
+      return Vec3<Real>{static_cast<Real>(p[0]), static_cast<Real>(p[1]), static_cast<Real>(p[2])};
+    };
+    for (size_t v = 0; v < 4; ++v) {
+      const Vec3d p = random.vector(1), q{p[0], p[1], v < kFirst ? gap : 0};
+      way.start[v] = real(plus(offset, turn(q)));
+      way.end[v] = real(plus(plus(offset, turn(q)), random.vector(way_size)));
+    }
+    const CertifiedDistance start = certified_distance<Kind>(way.start);
+    const PairFloors floors = FloorRules{1e-3, 4}.floors_of<Real>(start, HUGE_VAL, largest_coordinate(way));
+    if (keeps_floors<Kind>(way, floors) || start.value < floors.end + floors.noise * 0.99) continue;
+    ++failed;
+    const Shares shares = shares_of_failed<Kind>(way, floors, Shortening::kPlanes);
+    for (size_t v = 0; v < 4; ++v) {
+      const Vec3<Real> x = way.start[v], p = way.end[v];
+      way.end[v] = {blend(x.x, p.x, shares.of[v]), blend(x.y, p.y, shares.of[v]), blend(x.z, p.z, shares.of[v])};
+    }
+    failed_again += !keeps_floors<Kind>(way, floors);
+  }
+  std::printf("%s in %s: %d failed, %d again\n", kKind == QueryKind::kEdgeEdge ? "edges" : "vertex and triangle",
+              sizeof(Real) == 4 ? "F32" : "F64", failed, failed_again);
+  EXPECT_EQ(failed_again, 0);
+  EXPECT_GT(failed, 300);
+}
+
+// What planes part by more than its noise passes next time, so that rounds with planes end.
+TEST(Planes, LetPairsPass) {
+  count_planes<VertexTriangle, double>(1);
+  count_planes<EdgeEdge, double>(2);
+  count_planes<VertexTriangle, float>(3);
+  count_planes<EdgeEdge, float>(4);
+}
+
 // Later proposals are seldom needed. From them on everything has to hold as well.
 class ShortenedSteps : public testing::TestWithParam<Shortening> {
  protected:
