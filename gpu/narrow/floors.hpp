@@ -1,15 +1,17 @@
 #pragma once
-// How near each other a step may leave two features, and how near it may bring them on the way. Every pair has floors
-// of its own, so that features that start nearer than the minimum separation m stay as they are and are free to part.
-// They follow from the distance f of certified_distance.hpp at the start, which the pair never falls short of but by
-// what rounding of positions explains (`noise`):
-// - A pair keeps d, the least of m, f, and its clearance: the least f of other pairs of its four vertices.
-// - On the way it stays farther apart than 7/8 d; at the end f is at least d - noise.
-// - Noise must not add up over steps: below m no pair sinks under (45/64) m 2^-k for the k that it started above. No
-//   distance that people choose has these numbers, and a pair is held there at the latest.
-// - No pair sinks under Theta, 2^-34 of the scene's extent, but a pair that starts there.
-// Pairs that start under 2^-34 of their own extent are tiny: certificates in double tell too little of them
-// (tiny_pairs.hpp). Where m is less than 4 Theta the latter replaces it, as floors near 0 would all be tiny.
+// Floors: the least distances that a step may bring the features of a pair to, on the way and at the end. Each pair has
+// its own. Features that start closer than the minimum separation m may stay so, and are free to part.
+//
+// f is the certified distance of a pair (certified_distance.hpp); noise is what the rounding of positions may change.
+// - A pair keeps the distance d: the least of m, its f at the start, and the clearance of its vertices. That of a vertex
+//   is the least f of all pairs that contain it.
+// - On the way the features stay farther apart than 7/8 d. At the end f is at least d - noise.
+// - Noise must not accumulate over many steps. Below m there are levels, (45/64) m 2^-k, and no pair sinks below the
+//   level under its start. The factor keeps the levels away from distances that people choose.
+// - Theta is 2^-34 of the scene's extent. No pair that starts above Theta sinks below it.
+//
+// A pair that starts below 2^-34 of its own extent is tiny: certificates in double precision say too little about it
+// (tiny_pairs.hpp). If m is less than 4 Theta, 4 Theta replaces it; floors near 0 would make all pairs tiny.
 
 #include "gpu/base/points.hpp"
 #include "gpu/base/precision.hpp"

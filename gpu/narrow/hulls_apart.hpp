@@ -1,7 +1,8 @@
 #pragma once
-// Pairs that no choice of fractions can bring near each other. Every vertex of a step ends somewhere between its start
-// x and its target p, each at a fraction of its own. A plane that parts the hulls of both features' x and p by s, and
-// by what rounding may move a vertex off the straight way between them, parts whatever they do by more than s.
+// Pairs that stay apart whatever fractions their vertices take. Every vertex ends between its start x and its target p,
+// at a fraction of its own. The test looks for a plane that separates all x and p of one feature from all x and p of
+// the other. The gap must be the distance asked for, and what rounding may move a vertex off its straight way. Then the
+// features stay apart at every fraction, at the end of the step and on the way.
 
 #include "gpu/narrow/floors.hpp"
 

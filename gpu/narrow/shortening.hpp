@@ -1,13 +1,14 @@
 #pragma once
-// Steps that go as far as they can: each vertex ends at y = blend(x, p, a), a fraction of its own or of its group. All
-// fractions begin at 1. Rounds look at the pairs of features whose vertices changed: a pair passes if its straight way
-// from x to y, as rounded, keeps its floors (floors.hpp). A pair that fails proposes shares of what its vertices go
-// now, a vertex takes the least, and its fraction shrinks by it.
+// A step in which each vertex goes as far as it can. A vertex ends at y = blend(x, p, a); a is a fraction of its own,
+// or of its group. All fractions begin at 1 and shrink in rounds. A round looks at the pairs whose vertices changed. A
+// pair passes if its straight way from x to the rounded y keeps its floors (floors.hpp). A pair that fails proposes a
+// share for each of its vertices. A vertex takes the least share that is proposed to it, and its fraction is multiplied
+// by it.
 //
-// A proposal follows from x, y and the pair's own floors alone, and a least number does not depend on an order, so
-// neither do the fractions. Proposals become blunter with the rounds, so that they end: times of impact, then a plane
-// that both sides stop at, then pairs stand still, then all that is connected to them. Where a pair has passed it need
-// not be looked at again until a fraction of its vertices changes.
+// The result does not depend on the order of the pairs: a proposal follows from x, y and the floors of one pair, and a
+// minimum has no order. Later rounds propose less, so that the rounds end. The first propose times of impact. Then both
+// sides stop at a plane, then failed pairs stand still, and at last all that is connected to them stands still. A pair
+// that has passed is looked at again when a fraction of its vertices changes.
 
 #include "gpu/narrow/certified_way.hpp"
 #include "gpu/narrow/floors.hpp"

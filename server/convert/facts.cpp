@@ -126,7 +126,7 @@ void set_field(pb::ServerLimits* out, const google::protobuf::FieldDescriptor* f
   out->GetReflection()->SetEnumValue(out, field, to_message(value));
 }
 
-// Some limits, such as those of connections, are none that a client can keep to: no field tells them.
+// Limits without a field are not told. A client cannot keep to them, such as those of connections.
 template <class T>
 void fill_limit(const char* option, T limit, pb::ServerLimits* out) {
   if (const auto* field = out->GetDescriptor()->FindFieldByName(field_of(option))) set_field(out, field, limit);

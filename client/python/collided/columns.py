@@ -13,8 +13,13 @@ Values = TypeVar("Values", covariant=True)
 
 @dataclass(frozen=True)
 class Column:
-    """A field of contacts: how a scene asks for it, its dtype, the shape of one entry, what stands where a kind of contact
-    has none, and the names that a table of one number a cell gives to its parts."""
+    """A field of contacts.
+
+    field: its name in the options of a scene.
+    shape: of one entry.
+    missing: the value in a kind of contacts that lacks the field.
+    parts: the names of its components, in tables that have one number a cell.
+    """
 
     name: str
     field: str
