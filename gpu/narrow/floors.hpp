@@ -3,8 +3,8 @@
 // its own. Features that start closer than the minimum separation m may stay so, and are free to part.
 //
 // f is the certified distance of a pair (certified_distance.hpp); noise is what the rounding of positions may change.
-// - A pair keeps the distance d: the least of m, its f at the start, and the clearance of its vertices. That of a vertex
-//   is the least f of all pairs that contain it.
+// - A pair keeps the distance d: the least of m, its f at the start, and the clearance of its vertices. A vertex's
+//   clearance is the least f of all pairs that contain it.
 // - On the way the features stay farther apart than 7/8 d. At the end f is at least d - noise.
 // - Noise must not accumulate over many steps. Below m there are levels, (45/64) m 2^-k, and no pair sinks below the
 //   level under its start. The factor keeps the levels away from distances that people choose.
