@@ -62,7 +62,8 @@ bool wait_until_gone(int daemon, int input, int milliseconds) {
   return ends[0].revents != 0;
 }
 
-// Makes the folder as well: the daemon may be killed at any time, and would leave one that it has just made.
+// Makes the folder as well: the daemon may be killed at any time, and would leave one that it has just made. Its path
+// goes to `daemon`, whose other end closes with the daemon.
 [[noreturn]] void tidy_up(int daemon, pid_t pid, double seconds_to_stop) {
   prctl(PR_SET_NAME, "collided-tidy");
   // Whoever ends the terminal's or the daemon's processes ends the daemon, which this one must outlive.
@@ -84,37 +85,48 @@ bool wait_until_gone(int daemon, int input, int milliseconds) {
 }
 
 // Lets this process get SIGTERM once the other end of a socket has closed: without `collided-tidy` nobody would see
-// that standard input closes.
+// that standard input closes. Nothing may ever be sent to the socket: the signal of a message can come after the
+// message was read.
 void end_with(int socket) {
   if (fcntl(socket, F_SETOWN, getpid()) != 0 || fcntl(socket, F_SETSIG, SIGTERM) != 0 ||
       fcntl(socket, F_SETFL, O_ASYNC) != 0)
     throw std::system_error(errno, std::generic_category(), "fcntl");
 }
 
+struct SocketPair {
+  SocketPair() {
+    std::array<int, 2> ends{};
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0)
+      throw std::system_error(errno, std::generic_category(), "socketpair");
+    here = Fd(ends[0]);
+    there = Fd(ends[1]);
+  }
+
+  Fd here, there;
+};
+
 }  // namespace
 
 std::string make_private_folder(double seconds_to_stop) {
   check_standard_input();
   if (!isatty(STDIN_FILENO)) setpgid(0, 0);
-  std::array<int, 2> ends{};
-  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0)
-    throw std::system_error(errno, std::generic_category(), "socketpair");
+  SocketPair replies, lives;
   const pid_t pid = getpid();
   const pid_t tidy = fork();
   if (tidy == 0) {
-    close(ends[0]);
-    tidy_up(ends[1], pid, seconds_to_stop);
+    replies.here = lives.here = Fd();
+    tidy_up(replies.there.get(), pid, seconds_to_stop);
   }
-  Fd here(ends[0]), there(ends[1]);
   if (tidy < 0) throw std::system_error(errno, std::generic_category(), "fork");
-  there = Fd();
+  replies.there = lives.there = Fd();
   std::array<char, 256> reply{};
-  const ssize_t size = recv(here.get(), reply.data(), reply.size(), 0);
+  const ssize_t size = recv(replies.here.get(), reply.data(), reply.size(), 0);
   if (size <= 0) throw std::runtime_error("collided-tidy has ended before it made a folder for sockets");
   const std::string folder(reply.data(), static_cast<size_t>(size));
   if (!folder.starts_with('/')) throw std::runtime_error(folder);
-  end_with(here.get());
-  here.release();  // stays open until this process is gone
+  end_with(lives.here.get());
+  replies.here.release();  // both stay open until this process is gone
+  lives.here.release();
   return folder;
 }
 
