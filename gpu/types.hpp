@@ -225,6 +225,19 @@ struct MeshPositions {
   std::span<const std::byte> start_transform = {};  ///< at t = 0 (CCD); empty: where the last frame left the mesh
 };
 
+/// What goes its own fraction of the way in a frame that advances.
+enum class AdvanceMode {
+  kAllOrOne,   ///< the scene
+  kPerMesh,    ///< each mesh
+  kPerVertex,  ///< each vertex, but rigid meshes as a whole
+};
+
+/// Whose ways a frame that advances has shortened: meshes at kPerMesh, vertices (scene-wide ids) at kPerVertex.
+struct ShortenedWays {
+  std::vector<uint32_t> ids;      ///< ascending; of what moves
+  std::vector<double> fractions;  ///< of each, in [0, 1)
+};
+
 /// Room for the positions of one frame on their way to the backend. A scene makes as many as it has frames in flight.
 /// Filling and sending one goes on while another frame is in work; one thread at a time.
 class FrameSlot {
@@ -282,10 +295,11 @@ struct FrameInput {
   /// earliest_toi, kEarliestOnly and kAnyHit leave out contacts that come no closer (kFlagSeparating). CCD from
   /// kGuarded on.
   bool ignore_separating = false;
-  /// Go only as far towards the frame's positions as is certified free of contact, at min_separation
-  /// (step/advance.hpp); the contacts are those of the whole way. Implies ignore_separating. CCD from kCertified on, of
-  /// both kinds of features.
+  /// Go only as far towards the frame's positions as is certified: features keep min_separation, and those that start
+  /// closer come no closer (narrow/floors.hpp). The contacts are those of the whole way. Implies ignore_separating. CCD
+  /// from kCertified on, of both kinds of features.
   bool advance = false;
+  AdvanceMode advance_mode = AdvanceMode::kAllOrOne;  ///< with `advance` alone
   /// Answer, and leave the scene as it was.
   bool trial = false;
   /// CCD: begin this far along the way of the last frame, in [0, 1], that of a trial too, by the formula of
@@ -362,8 +376,13 @@ struct FrameResult : PerKind<ContactSet> {
   EngineFacts broad_phase;
   ReuseFacts reuse;
   double earliest_toi = 1;  ///< CCD; from kGuarded on no contact is earlier
-  /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp; where the frame asked to advance.
+  /// How far the scene went, in [0, 1], by the formula of positions/blend.hpp: the least fraction of anything that
+  /// moves; where the frame asked to advance.
   std::optional<double> advanced = {};
+  /// Of such a frame: the sum of the lengths of all vertices' ways that were gone, divided by that of the whole ways;
+  /// 1 if nothing moves. Within 2^-20 of the truth.
+  double way = 1;
+  ShortenedWays shortened = {};  ///< likewise; empty at kAllOrOne
   bool any_contact = false;
   WorldResults worlds;             ///< of a set of worlds
   std::vector<ShardFacts> shards;  ///< of a scene in parts. Counts of what was done (cells, tests) are of all together
