@@ -18,6 +18,8 @@
 #else
 #define COLLIDED_CALLED
 #endif
+/// The same on CPU cores, too: functions so long that a call costs them nothing.
+#define COLLIDED_LONG [[gnu::noinline]]
 
 namespace collided {
 

@@ -44,7 +44,7 @@ COLLIDED_HD double certified_along(const Vec3<double> (&x)[N], const Direction<d
 
 /// Returns the best lower bound of the distance at t = 0. The features must stand still: start and end are the same.
 template <int N>
-COLLIDED_HD CertifiedDistance certified_distance(const Differences<double, N>& d) {
+COLLIDED_LONG COLLIDED_HD CertifiedDistance certified_distance(const Differences<double, N>& d) {
   const PreciseDirections<double, N> directions(d, 0.0);
   CertifiedDistance best;
   double most = 0;

@@ -60,7 +60,7 @@ struct CertifiedWay {
 
 /// Returns for how long the features are farther apart than the distance, which is in the units of the positions.
 template <int N>
-COLLIDED_HD CertifiedWay certified_way(const Differences<double, N>& d, double distance) {
+COLLIDED_LONG COLLIDED_HD CertifiedWay certified_way(const Differences<double, N>& d, double distance) {
   const double thickness = scaled_thickness<double>(distance, d.scale);
   if (normals_separate_all_along(d, thickness)) return {true, 1};
   const Tolerance<double> tolerance{{thickness, thickness}, default_delta(0.0) * d.extent};

@@ -3,15 +3,18 @@
 // its own. Features that start closer than the minimum separation m may stay so, and are free to part.
 //
 // f is the certified distance of a pair (certified_distance.hpp); noise is what the rounding of positions may change.
-// - A pair keeps the distance d: the least of m, its f at the start, and the clearance of its vertices. A vertex's
-//   clearance is the least f of all pairs that contain it.
+// - A pair keeps the distance d: the least of m, its f at the start, and the clearances of its vertices that may move.
+//   A vertex's clearance is the least f of all pairs that contain it, but for features that an edge joins.
 // - On the way the features stay farther apart than 7/8 d. At the end f is at least d - noise.
 // - Noise must not accumulate over many steps. Below m there are levels, (45/64) m 2^-k, and no pair sinks below the
 //   level under its start. The factor keeps the levels away from distances that people choose.
-// - Theta is 2^-34 of the scene's extent. No pair that starts above Theta sinks below it.
+// - Theta is 2^-34 of the scene's extent, which counts as the next power of two. No pair that starts above Theta sinks
+//   below it.
 //
 // A pair that starts below 2^-34 of its own extent is tiny: certificates in double precision say too little about it
 // (tiny_pairs.hpp). If m is less than 4 Theta, 4 Theta replaces it; floors near 0 would make all pairs tiny.
+
+#include <cmath>
 
 #include "gpu/base/points.hpp"
 #include "gpu/base/precision.hpp"
@@ -41,6 +44,20 @@ COLLIDED_HD double largest_coordinate(const FeaturePoints<Real>& p) {
   return static_cast<double>(largest);
 }
 
+/// What a pair's floors follow from, beside its clearance.
+struct StartDistance {
+  double value;   ///< f at the start
+  double extent;  ///< of the pair, as CertifiedDistance has it
+  double largest_coordinate;  ///< of its whole way
+};
+
+/// `way`: from the start to where the pair is to go.
+template <class Kind, class Real>
+COLLIDED_HD StartDistance start_distance(const FeaturePoints<Real>& way) {
+  const CertifiedDistance start = certified_distance<Kind>(way.start);
+  return {start.value, start.extent, largest_coordinate(way)};
+}
+
 struct PairFloors;
 
 /// What the floors of all pairs of a step follow from.
@@ -48,17 +65,23 @@ struct FloorRules {
   static constexpr double kTiny = 0x1p-34;  ///< Theta, in units of the extent
   static constexpr double kOfWay = 7.0 / 8;
 
-  double min_separation;  ///< m; may be 0
-  double scene_extent;    ///< the greatest extent of the scene's bounds at the start
+  double min_separation = 0;  ///< m
+  double scene_extent = 0;    ///< a power of two, or 0 where all vertices are in one place
+
+  /// `extent`: the greatest of the scene's bounds at the start. What follows from it then stays the same over many steps.
+  static FloorRules of(double min_separation, double extent) {
+    return {min_separation, extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 0};
+  }
+  bool operator==(const FloorRules&) const = default;
 
   /// Returns the floor that no pair sinks under that starts above it.
   COLLIDED_HD double least_floor() const { return kTiny * scene_extent; }
   /// Returns the distance within which pairs matter: the highest floor.
   COLLIDED_HD double reach() const { return max(min_separation, 4 * least_floor()); }
 
-  /// `clearance`: the least clearance of the four vertices. `coordinate`: of largest_coordinate.
+  /// `clearance`: the least clearance of the vertices that may move.
   template <class Real>
-  COLLIDED_HD PairFloors floors_of(const CertifiedDistance& start, double clearance, double coordinate) const;
+  COLLIDED_HD PairFloors floors_of(const StartDistance& start, double clearance) const;
 
   /// Returns the greatest (45/64) m 2^-k that is not above `kept`; for m = 0 the greatest (45/64) 2^j.
   COLLIDED_HD double hold_of(double kept) const {
@@ -81,13 +104,12 @@ struct PairFloors {
 };
 
 template <class Real>
-COLLIDED_HD PairFloors FloorRules::floors_of(const CertifiedDistance& start, double clearance,
-                                             double coordinate) const {
+COLLIDED_HD PairFloors FloorRules::floors_of(const StartDistance& start, double clearance) const {
   const double f = start.value, m = min_separation;
   PairFloors floors;
   floors.kept = min(min(reach(), f), max(clearance, 4 * least_floor()));
   floors.way = kOfWay * floors.kept;
-  floors.noise = PositionNoise<Real>::kOfFloor * coordinate;
+  floors.noise = PositionNoise<Real>::kOfFloor * start.largest_coordinate;
   floors.end =
       max(max(floors.kept - floors.noise, hold_of(floors.kept)), max(min(least_floor(), floors.kept), floors.way));
   if (floors.kept == m && f >= m + floors.noise) floors.end = m;

@@ -31,10 +31,36 @@ COLLIDED_HD bool hulls_are_apart_along(const Direction<double>& direction, const
   return is_apart;
 }
 
+/// What hulls_are_apart() says of a pair, at a glance: in float, along one direction. It is enough for most candidates.
+template <class Kind, class Real>
+COLLIDED_HD bool hulls_are_apart_in_float(const FeaturePoints<Real>& p, double distance) {
+  using Difference = DifferenceOf<Kind>;
+  constexpr int kFirst = Difference::kCount == 3 ? 1 : 2;
+  DifferencesOf<float, Kind> d;
+  if (!load_differences<Kind, float>(p, d)) return false;
+  const Direction<float> direction = direction_of(gap_at(d, 0.5f).vector);
+  if (!(direction.length > 0)) return false;
+  const double off = PositionNoise<Real>::kOfBlend * largest_coordinate(p);
+  const float offset = offset_along(direction, scaled_thickness<float>(distance + 4 * off, d.scale));
+  float approach[4];  // how far each vertex can come nearer along the direction, at most
+  for (int i = 0; i < 4; ++i) {
+    const Vec3<double> way = convert<double>(p.end[i]) - convert<double>(p.start[i]);
+    const Vec3<float> n = (i < kFirst ? 1.0f : -1.0f) * direction.n;
+    approach[i] = max(-lower_bound_along(n, convert<float>(d.scale * way), 0.0f), 0.0f);
+  }
+  bool is_apart = true;
+  for (int k = 0; k < Difference::kCount; ++k) {
+    const float most = approach[Difference::minuend(k)] + approach[Difference::subtrahend(k)];
+    is_apart = is_apart && lower_bound_along(direction.n, d.start[k], offset) > most * (1 + 4 * Precision<float>::kUnit);
+  }
+  return is_apart;
+}
+
 /// True if the features stay farther apart than `distance` for certain, and end so, however far each of their vertices
 /// goes from p.start towards p.end. False says nothing.
 template <class Kind, class Real>
-COLLIDED_HD bool hulls_are_apart(const FeaturePoints<Real>& p, double distance) {
+COLLIDED_LONG COLLIDED_HD bool hulls_are_apart(const FeaturePoints<Real>& p, double distance) {
+  if (hulls_are_apart_in_float<Kind>(p, distance)) return true;
   DifferencesOf<double, Kind> d;
   if (!load_differences<Kind, double>(p, d)) return false;
   const double off = PositionNoise<Real>::kOfBlend * largest_coordinate(p);

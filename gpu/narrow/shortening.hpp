@@ -47,17 +47,19 @@ COLLIDED_HD Differences<double, N> standing_at(const Differences<double, N>& d, 
 }
 
 template <class Real>
+COLLIDED_HD bool is_same(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+template <class Real>
 COLLIDED_HD bool stands_still(const FeaturePoints<Real>& way) {
-  for (int i = 0; i < 4; ++i) {
-    const Vec3<Real>&x = way.start[i], &y = way.end[i];
-    if (!(x.x == y.x && x.y == y.y && x.z == y.z)) return false;
-  }
+  for (int i = 0; i < 4; ++i)
+    if (!is_same(way.start[i], way.end[i])) return false;
   return true;
 }
 
 /// True if a pair keeps its floors on the straight way from x to y, for certain.
 template <class Kind, class Real>
-COLLIDED_HD bool keeps_floors(const FeaturePoints<Real>& way, const PairFloors& floors) {
+COLLIDED_LONG COLLIDED_HD bool keeps_floors(const FeaturePoints<Real>& way, const PairFloors& floors) {
   if (stands_still(way)) return true;
   if (floors.is_tiny) {
     const CertifiedDistance start = certified_distance<Kind>(way.start);
@@ -134,7 +136,7 @@ COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFl
 
 /// Returns what a pair proposes that does not keep its floors on the way from x to y.
 template <class Kind, class Real>
-COLLIDED_HD Shares shares_of_failed(const FeaturePoints<Real>& way, const PairFloors& floors, Shortening how) {
+COLLIDED_LONG COLLIDED_HD Shares shares_of_failed(const FeaturePoints<Real>& way, const PairFloors& floors, Shortening how) {
   if (floors.is_tiny) return Shares::all(0);
   if (how == Shortening::kTimes) return detail::shares_by_time<Kind>(way, floors);
   if (how == Shortening::kPlanes) return detail::shares_by_planes<Kind>(way, floors);

@@ -2,6 +2,7 @@
 // A point of the way from one position to another. Whoever computes it gets the same bits: clients follow an advance
 // without being sent the positions.
 
+#include "gpu/base/groups.hpp"
 #include "gpu/base/host_device.hpp"
 #include "gpu/base/vec3.hpp"
 
@@ -18,6 +19,11 @@ COLLIDED_HD Real blend(Real x, Real p, double a) {
   return static_cast<Real>(static_cast<double>(x) + part);
 }
 
+template <class Real>
+COLLIDED_HD Vec3<Real> blend(const Vec3<Real>& x, const Vec3<Real>& p, double a) {
+  return {blend(x.x, p.x, a), blend(x.y, p.y, a), blend(x.z, p.z, a)};
+}
+
 /// The same of all positions.
 template <class Real>
 struct BlendPositions {
@@ -26,9 +32,21 @@ struct BlendPositions {
   double a;
   Vec3<Real>* out;  ///< may be either
 
+  COLLIDED_HD void operator()(uint64_t i) const { out[i] = blend(from[i], to[i], a); }
+};
+
+/// The same where vertices have fractions of their own. Those that stand are left as they are in `out`.
+template <class Real>
+struct BlendEach {
+  const Vec3<Real>* from;
+  const Vec3<Real>* to;
+  const uint32_t* group_of;
+  const double* fractions;  ///< by group
+  Vec3<Real>* out;
+
   COLLIDED_HD void operator()(uint64_t i) const {
-    const Vec3<Real> x = from[i], p = to[i];
-    out[i] = {blend(x.x, p.x, a), blend(x.y, p.y, a), blend(x.z, p.z, a)};
+    const uint32_t group = group_of[i];
+    if (group != kStands) out[i] = blend(from[i], to[i], fractions[group]);
   }
 };
 

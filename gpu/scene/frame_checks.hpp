@@ -21,7 +21,7 @@ struct CheckedFrame {
 inline auto options_of(const FrameInput& frame) {
   const ContactRoom& room = frame.room;
   return std::tuple(frame.mode, frame.accuracy, frame.delta, frame.report, frame.ignore_separating, frame.advance,
-                    frame.trial, frame.start_fraction, frame.edit != nullptr, frame.slot != nullptr,
+                    frame.advance_mode, frame.trial, frame.start_fraction, frame.edit != nullptr, frame.slot != nullptr,
                     frame.stream != nullptr, room.memory.empty(),
                     reinterpret_cast<uintptr_t>(room.memory.data()) % ContactRoom::kAlignment);
 }

@@ -102,11 +102,20 @@ class ResidentPositions {
 
   /// From here on the scene may go a part of the way.
   void keep_target() { copy(scene_.target, scene_.end); }
-  /// Goes this far from `start` to where `end` was when it was kept.
-  void go(double fraction) {
-    blend_into(scene_.end, scene_.start, scene_.target, fraction);
-    rigid_.go(fraction);
+  /// Goes from `start` towards where `end` was when it was kept, as far as `ways` has the fractions of the vertices'
+  /// groups.
+  void go() {
+    exec_.for_each("blend_each", vertices(),
+                   BlendEach<Real>{scene_.start.data(), scene_.target.data(), scene_.topology.group_of.data(),
+                                   scene_.ways.fractions.data(), scene_.end.data()});
+    if (!rigid_.has_any()) return;
+    std::vector<double> fractions(vertices());
+    exec_.download(fractions.data(), scene_.ways.fractions.data(), fractions.size() * sizeof(double));
+    rigid_.go(fractions);
   }
+  /// As RigidMeshes has it.
+  double off_straight() const { return rigid_.off_straight(); }
+  const Vec3<Real>* target() const { return scene_.target.data(); }
 
   /// The frame counts from here on; its positions are what a later failure falls back to.
   void commit(Slot& slot) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -109,12 +110,27 @@ class RigidMeshes {
     for (const RigidMove& move : moves) transform(*find(bodies(), move.mesh), move.end, positions);
   }
 
-  /// So far along the step's way, on which no mesh turns: where the pose is, so are the positions.
-  void go(double fraction) {
+  bool has_any() const { return !state_.bodies.empty(); }
+  /// So far along the step's way, on which no mesh turns: where the pose is, so are the positions. `fractions`: of each
+  /// mesh, by its first vertex.
+  void go(std::span<const double> fractions) {
     for (RigidBody& body : bodies()) {
-      body.end = along(body.start, body.target, fraction);
+      body.end = along(body.start, body.target, fractions[body.first_vertex]);
       transform(body, body.end, scene_.end.data());
     }
+  }
+  /// Returns a distance that vertices on the step's way are within of the straight lines between its ends' positions,
+  /// besides what the last rounding to Real explains.
+  double off_straight() const {
+    double off = 0;
+    for (const RigidBody& body : state_.bodies) {
+      double largest = max(largest_component(body.rest.lo), largest_component(body.rest.hi));
+      for (size_t i = 3; i < body.start.rows.size(); i += 4)
+        largest = std::max({largest, std::abs(body.start.rows[i]), std::abs(body.target.rows[i])});
+      // Each of both ends and the point between takes a few roundings of sums of four numbers up to this.
+      if (body.start.rows != body.target.rows) off = std::max(off, 64 * Precision<double>::kUnit * largest);
+    }
+    return off;
   }
   void commit() {
     for (RigidBody& body : bodies()) body.good = body.end, body.is_placed = true;

@@ -186,6 +186,8 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   if (frame.ignore_separating && (!settings.is_ccd() || settings.accuracy < Accuracy::kGuarded))
     throw InvalidInput("ignore_separating", "ignore_separating is on, which needs CCD at GUARDED or above");
   if (frame.advance) check_advance(spec, settings);
+  if (!frame.advance && frame.advance_mode != AdvanceMode::kAllOrOne)
+    throw InvalidInput("advance_mode", "advance_mode is given, but advance is off");
   if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
   if (frame.edit) check_edit(frame);
   check_room(frame.room);

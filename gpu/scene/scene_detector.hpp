@@ -8,7 +8,7 @@
 #include "gpu/contacts/world_results.hpp"
 #include "gpu/detector.hpp"
 #include "gpu/positions/sample.hpp"
-#include "gpu/scene/advance_tries.hpp"
+#include "gpu/scene/advances.hpp"
 #include "gpu/scene/far_meshes.hpp"
 #include "gpu/scene/frame_checks.hpp"
 #include "gpu/scene/known_lengths.hpp"
@@ -29,7 +29,7 @@ class SceneDetector final : public Detector {
         pipeline_(exec_, spec_, model_.counts(), scene_),
         rest_pairs_(exec_, spec_, scene_, pipeline_),
         edits_(exec_, model_, positions_, pipeline_, rest_pairs_),
-        tries_(exec_, spec_, shard, positions_, pipeline_),
+        advances_(exec_, model_, shard, positions_, pipeline_),
         told_(spec_.expected) {
     if (shard_ != nullptr) scene_.share.take(shard_->share);
   }
@@ -137,9 +137,8 @@ class SceneDetector final : public Detector {
   /// Finds the contacts of the positions that are resident.
   FrameResult search(const FrameInput& frame, const FrameSettings& settings, bool boxes_static) {
     try {
-      const FrameSettings own = frame.advance ? tries_.begin(settings) : settings;
-      FrameResult result = pipeline_.detect_contacts(boxes_static, own, frame.bytes_beside_contact, frame.room);
-      if (frame.advance) tries_.finish(own, result);
+      FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
+      if (frame.advance) advances_.go(frame.advance_mode, result);
       return result;
     } catch (...) {
       if (frame.progress != nullptr) tell_progress(settings.is_ccd(), *frame.progress);
@@ -219,7 +218,7 @@ class SceneDetector final : public Detector {
   Pipeline<Exec, Real> pipeline_;
   RestPairs<Exec, Real> rest_pairs_;
   SceneEdits<Exec, Real> edits_;
-  AdvanceTries<Exec, Real> tries_;
+  Advances<Exec, Real> advances_;
   FrameChecks checks_;
   std::shared_ptr<Slot> own_slot_;
   ListLengths told_;  ///< to scenes alike, or by them

@@ -11,6 +11,7 @@
 #include "gpu/contacts/place.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
+#include "gpu/narrow/floors.hpp"
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
 #include "gpu/state/state.hpp"
@@ -41,12 +42,17 @@ struct ResidentTopology {
         excluded_meshes(exec, "pair_filter"),
         ring_begin(exec, "rings"),
         ring_vertices(exec, "rings"),
+        neighbour_begin(exec, "advance"),
+        neighbours(exec, "advance"),
+        group_of(exec, "advance"),
         rest_pairs(exec, "rest_pairs") {}
 
   PairFilter filter() const {
     return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}, shape.is_one() ? 0 : shape.triangles};
   }
   VertexRings rings() const { return {ring_begin.all(), ring_vertices.all()}; }
+  /// The ends of each vertex's edges.
+  VertexRings joined() const { return {neighbour_begin.all(), neighbours.all()}; }
   ExcludedPairs excluded_pairs() const { return {rings(), {rest_pairs.all()}}; }
 
   // Of all worlds.
@@ -67,6 +73,10 @@ struct ResidentTopology {
   Buffer<uint64_t, Exec> excluded_meshes;  ///< slots of a KeySet
   Buffer<uint32_t, Exec> ring_begin;
   Buffer<uint32_t, Exec> ring_vertices;
+  Buffer<uint32_t, Exec> neighbour_begin;  ///< of each vertex; scenes that advance have these three
+  Buffer<uint32_t, Exec> neighbours;
+  AdvanceMode groups_are_of = {};
+  Buffer<uint32_t, Exec> group_of;  ///< of each vertex the first of those that share its fraction, or kStands
   Buffer<uint64_t, Exec> rest_pairs;  ///< slots of a KeySet, those of the first frame
 };
 
@@ -81,10 +91,47 @@ struct CandidateBuffers {
   Buffer<ResumableQuery, Exec> resumable;  ///< those of them that float has not told apart
 };
 
-template <Executor Exec, size_t... kind>
-std::array<CandidateBuffers<Exec>, sizeof...(kind)> make_candidate_buffers(Exec& exec, std::index_sequence<kind...>) {
-  return {((void)kind, CandidateBuffers<Exec>(exec))...};
+/// One of these for each kind of features.
+template <class Buffers, Executor Exec>
+std::array<Buffers, kFeatureKinds> make_per_kind(Exec& exec) {
+  static_assert(kFeatureKinds == 2);
+  return {Buffers(exec), Buffers(exec)};
 }
+
+/// Pairs of one kind that ways are shortened for: those in CandidateBuffers::screened, by their places there.
+template <Executor Exec>
+struct BlockingPairs {
+  explicit BlockingPairs(Exec& exec) : starts(exec, "advance"), looked_at(exec, "advance"), failed(exec, "advance") {}
+
+  void allocate(uint64_t count) {
+    starts.allocate(count);
+    looked_at.allocate(count);
+    failed.allocate(count);
+  }
+
+  Buffer<StartDistance, Exec> starts;
+  Buffer<uint64_t, Exec> looked_at;  ///< in the round
+  Buffer<uint64_t, Exec> failed;     ///< likewise
+};
+
+/// How far vertices go, by the first vertex of those that share a fraction (ResidentTopology::group_of).
+template <Executor Exec>
+struct FractionBuffers {
+  explicit FractionBuffers(Exec& exec)
+      : clearances(exec, "advance"), shares(exec, "advance"), fractions(exec, "advance"), changed_in(exec, "advance") {}
+
+  void allocate(uint64_t vertices) {
+    clearances.allocate(vertices);
+    shares.allocate(vertices);
+    fractions.allocate(vertices);
+    changed_in.allocate(vertices);
+  }
+
+  Buffer<uint64_t, Exec> clearances;  ///< of each vertex (floors.hpp), as bits of a double
+  Buffer<uint64_t, Exec> shares;      ///< the least that the round proposes, likewise
+  Buffer<double, Exec> fractions;
+  Buffer<uint32_t, Exec> changed_in;  ///< the last round that changed it, from 1 on
+};
 
 /// Contacts of all kinds as they are found. Candidates at kCandidates have keys alone.
 template <Executor Exec, class Real>
@@ -160,7 +207,9 @@ struct WorkBuffers {
         inflations(exec, "records"),
         state(exec, "counters"),
         triangle_pairs(exec, "pairs"),
-        candidates(make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{})),
+        candidates(make_per_kind<CandidateBuffers<Exec>>(exec)),
+        blocking(make_per_kind<BlockingPairs<Exec>>(exec)),
+        ways(exec),
         contacts(exec),
         earliest(exec),
         normals(exec, "contacts"),
@@ -179,6 +228,8 @@ struct WorkBuffers {
   Buffer<StepState, Exec> state;
   Buffer<uint64_t, Exec> triangle_pairs;
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
+  std::array<BlockingPairs<Exec>, kFeatureKinds> blocking;       ///< likewise; frames that advance
+  FractionBuffers<Exec> ways;                                    ///< frames that advance
   ContactBuffers<Exec, Real> contacts;
   ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
   Buffer<Normal, Exec> normals;         ///< of the contacts as they were found
@@ -226,7 +277,7 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
   void expect_nothing(Exec& exec) {
     expected = {};
     this->triangle_pairs = {exec, "pairs"};
-    this->candidates = make_candidate_buffers(exec, std::make_index_sequence<kFeatureKinds>{});
+    this->candidates = make_per_kind<CandidateBuffers<Exec>>(exec);
     this->contacts = ContactBuffers<Exec, Real>(exec);
     this->earliest = ContactBuffers<Exec, Real>(exec);
   }

@@ -3,15 +3,26 @@
 
 #include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/layout.hpp"
+#include "gpu/narrow/floors.hpp"
 #include "gpu/state/settings.hpp"
 
 namespace collided {
+
+/// What a step that advances goes by.
+struct WayRules {
+  FloorRules floors;
+  double off = 0;  ///< how far vertices of rigid meshes may be off their straight ways, besides blend()'s rounding
+
+  bool operator==(const WayRules&) const = default;
+};
 
 struct LevelNeeds {
   FrameSettings settings{};
   PerKind<bool> kinds = {};
   FieldSet fields = {};           ///< that are asked for
   bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
+  bool advances = false;          ///< the step finds the pairs that ways are shortened for
+  WayRules ways = {};             ///< of such a step
   bool has_room = false;          ///< there is memory of the backend for contacts
   ContactWidths widths = {};      ///< of what is put there
 
@@ -61,14 +72,16 @@ struct LevelNeeds {
   }
 
   /// A filter in float rules candidates out before they are stored.
-  bool has_filter() const { return settings.accuracy >= (is_ccd() ? Accuracy::kGuarded : Accuracy::kCertified); }
+  bool has_filter() const {
+    return !advances && settings.accuracy >= (is_ccd() ? Accuracy::kGuarded : Accuracy::kCertified);
+  }
   /// CCD tries a fixed direction before it follows the features, and float goes ahead of double.
   bool is_screened() const { return is_ccd() && settings.accuracy >= Accuracy::kGuarded; }
   bool is_approached() const { return is_screened() && settings.accuracy >= Accuracy::kCertified; }
   /// DCD looks again at pairs that are neither certain to be apart nor certain to be within the thickness.
   bool looks_twice() const { return !is_ccd() && settings.accuracy >= Accuracy::kCertified; }
 
-  bool judges_resolution() const { return settings.accuracy >= Accuracy::kGuarded; }
+  bool judges_resolution() const { return !advances && settings.accuracy >= Accuracy::kGuarded; }
 };
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings, const ContactRoom& room = {}) {
@@ -80,6 +93,19 @@ inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings,
         if (is_wanted) needs.widths.set(kind, needs.fields_of(kind) & room.fields, room.stencils);
       },
       spec.kinds);
+  return needs;
+}
+
+/// Of the step that finds the pairs of features that ways are shortened for: all that come within the highest floor.
+/// `noise`: of floors, of any pair.
+inline LevelNeeds needs_of_ways(const SceneSpec& spec, const WayRules& ways, double noise) {
+  const double reach = 1.001 * ways.floors.reach() + 2 * ways.off + noise;
+  LevelNeeds needs{{Mode::kCcd, Accuracy::kGuarded, 0, Report::kAll, reach, reach, false},
+                   spec.kinds,
+                   {ContactField::kElements}};
+  needs.kinds.triangle_triangle = false;
+  needs.advances = true;
+  needs.ways = ways;
   return needs;
 }
 

@@ -12,6 +12,27 @@
 
 namespace collided {
 
+/// Of all vertices' ways, before a step that advances.
+struct WaysMeasure {
+  Box<float> start;  ///< around the vertices at t = 0, rounded outward
+  float longest;     ///< coordinate of a way, rounded up
+};
+
+/// Of a round in which ways are shortened (narrow/shortening.hpp).
+struct RoundCounts {
+  uint64_t looked_at[kFeatureKinds];
+  uint64_t failed[kFeatureKinds];
+  uint64_t joined;  ///< vertices that an island took in, at the last look
+
+  uint64_t count_failed() const { return failed[0] + failed[1]; }
+};
+
+/// What became of the vertices' ways.
+struct WaysGone {
+  uint64_t all, gone;   ///< lengths, in a unit that GoneOfWays has
+  uint64_t least_bits;  ///< the least fraction of what moves, as an integer
+};
+
 struct StepState {
   // Lengths that were asked for, whatever the lists' capacities.
   LeafTotals leaves;
@@ -39,6 +60,10 @@ struct StepState {
   FilterScale filter;
   Shortcut shortcut;
   double earliest_toi;  ///< of contacts that stay on the backend
+
+  WaysMeasure ways;  ///< of frames that advance
+  RoundCounts round;
+  WaysGone gone;
 };
 
 /// That the step asked for.

@@ -4,6 +4,7 @@
 #include "gpu/narrow/features.hpp"
 #include "gpu/step/candidate_phase.hpp"
 #include "gpu/step/narrow_phase.hpp"
+#include "gpu/step/shorten_phase.hpp"
 #include "gpu/step/step_run.hpp"
 
 namespace collided {
@@ -21,6 +22,13 @@ class ContactPhase {
   void detect_all() {
     if (is_of_features(first_of(needs_.kinds))) detect_features();
     if (needs_.kinds.triangle_triangle) detect_triangles();
+  }
+  /// Finds the pairs that ways are shortened for, and looks at all of them.
+  void find_blocking(ShortenPhase<Exec, Real>& shorten) {
+    part([&] { candidates_.search(needs_.kinds); });
+    for_each_features([&](const auto& kind) { part([&] { shorten.screen(kind); }); });
+    shorten.measure_starts();
+    shorten.judge_all();
   }
   void keep_earliest() {
     part([&] { narrow_.keep_earliest(); });

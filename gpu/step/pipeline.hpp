@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "gpu/engines/engines.hpp"
-#include "gpu/step/advance.hpp"
 #include "gpu/step/box_phase.hpp"
 #include "gpu/step/contact_phase.hpp"
 #include "gpu/step/neighbour_phase.hpp"
@@ -36,6 +35,7 @@ class Pipeline {
         narrow_(exec, ranks_, scene),
         candidates_(context_, boxes_, engines_, neighbours_, narrow_),
         contacts_(context_, run_, candidates_, narrow_),
+        shorten_(context_),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
         planner_(spec, planned_scene()) {
@@ -55,13 +55,27 @@ class Pipeline {
     return detect(true, needs_of_rest_pairs(spec_), 0, {});
   }
 
-  /// Bounds of all vertices' ways in the step that comes, which is one of CCD, rounded outward. Waits.
-  Box<float> measure_way() {
+  // Frames that advance.
+  /// Measures all vertices' ways, of CCD. Waits.
+  WaysMeasure measure_ways() {
     run_.begin();  // whoever is interrupted here has found nothing
     run_.reserve();
-    exec_.reduce_into("bounds", counts_.vertices, BoxOfWay<Real>{scene_.positions_at_start(true), scene_.end.data()},
-                      empty_box(), JoinBoxes{}, &context_.state()->bounds);
-    return run_.peek().bounds;
+    exec_.reduce_into("measure_ways", counts_.vertices, MeasureWay<Real>{scene_.start.data(), scene_.end.data()},
+                      WaysMeasure{empty_box(), 0}, JoinMeasures{}, &context_.state()->ways);
+    return run_.peek().ways;
+  }
+  /// Finds the pairs that ways are shortened for, and looks at all of them. `largest`: no coordinate is larger.
+  FrameResult find_blocking(const WayRules& rules, double largest) {
+    scene_.share.send(exec_);
+    return detect(false, needs_of_ways(spec_, rules, PositionNoise<Real>::kOfFloor * largest), 0, {});
+  }
+  /// Returns how many pairs had failed when the step ended, or look_at_rounds() was called last.
+  uint64_t count_failed() const { return run_.found().round.count_failed(); }
+  void look_at_rounds() { run_.found() = run_.peek(); }
+  /// Runs rounds(shorten) as a step, which ends with its counts known.
+  template <class Rounds>
+  void shorten(const Rounds& rounds) {
+    exec_.step_by_parts(scene_.state.data(), [&] { rounds(shorten_); });
   }
 
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
@@ -168,6 +182,7 @@ class Pipeline {
       engines_.plan(plan_);
       boxes_.begin(needs);
       contacts_.begin(needs);
+      if (needs.advances) shorten_.begin(needs);
       begin_plan();
       run_.plan(numbers_.number_of(plan_));
       narrow_.follow(run_.is_by_parts() ? &found() : nullptr);
@@ -229,6 +244,7 @@ class Pipeline {
   void reserve_lists() {
     scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     narrow_.reserve();
+    if (needs().advances) shorten_.reserve();
     if (planner_.uses_lists()) neighbours_.reserve(times_ = planner_.track_times());
     if (plan_.has_engine()) engines_.reserve();
   }
@@ -238,11 +254,16 @@ class Pipeline {
     run_.part([&] { plan_.searches() ? search_anew() : look_for_displacement(); }, [&] { return must_rebuild(); });
     run_.mark_begun();
     if (plan_.makes_lists()) list_neighbours();
+    if (needs().advances) return find_blocking();
     if (!plan_.is_idle) contacts_.detect_all();
     if (needs().is_earliest_only()) contacts_.keep_earliest();
     if (run_.is_by_parts()) plan_order();
     narrow_.finish();
     if (needs().places_contacts()) exec_.stage("place", [&] { placing_.place(needs()); });
+  }
+  void find_blocking() {
+    shorten_.begin_ways();
+    if (!plan_.is_idle) contacts_.find_blocking(shorten_);
   }
   /// How many contacts there are is known.
   void plan_order() {
@@ -323,6 +344,7 @@ class Pipeline {
   NarrowPhase<Exec, Real> narrow_;
   CandidatePhase<Exec, Real> candidates_;
   ContactPhase<Exec, Real> contacts_;
+  ShortenPhase<Exec, Real> shorten_;
   Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
   StepPlanner planner_;

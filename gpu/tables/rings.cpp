@@ -7,11 +7,6 @@
 namespace collided {
 namespace {
 
-/// Where the edges of each vertex lead.
-struct Neighbours {
-  std::vector<uint32_t> begin, vertices;
-};
-
 /// How far the rings of each mesh reach, in edges.
 std::vector<uint32_t> reaches_of(const SceneSpec& spec) {
   std::vector<uint32_t> reaches;
@@ -21,8 +16,9 @@ std::vector<uint32_t> reaches_of(const SceneSpec& spec) {
   return reaches;
 }
 
-Neighbours neighbours_of(const Topology& topology) {
-  Neighbours out;
+/// Where the edges of each vertex lead.
+RingTables neighbours_of(const Topology& topology) {
+  RingTables out;
   out.begin.assign(size_t{topology.vertex_count} + 1, 0);
   for (const auto& edge : topology.edges)
     for (const uint32_t v : edge) ++out.begin[v];
@@ -67,7 +63,7 @@ class RingWalk {
     }
   }
 
-  const Neighbours neighbours_;
+  const RingTables neighbours_;
   std::vector<uint32_t> reached_from_;  ///< for each vertex the last one whose ring it is in
   std::vector<uint32_t> ring_;
   uint64_t steps_ = 0;
@@ -147,6 +143,14 @@ uint64_t count_entries(const SceneSpec& spec, const Topology& topology, const st
 }
 
 }  // namespace
+
+RingTables make_neighbours(const Topology& topology, MemoryHold& making) {
+  making.resize(making.bytes() + table_bytes(topology, 2 * topology.edges.size()));
+  RingTables out = neighbours_of(topology);
+  for (size_t v = 0; v + 1 < out.begin.size(); ++v)
+    std::sort(out.vertices.begin() + out.begin[v], out.vertices.begin() + out.begin[v + 1]);
+  return out;
+}
 
 RingTables make_rings(const SceneSpec& spec, const Topology& topology, MemoryHold& making, Asks& asks) {
   RingTables rings;

@@ -19,4 +19,7 @@ struct RingTables {
 /// numbers or steps, and what the quota and the question throw.
 RingTables make_rings(const SceneSpec& spec, const Topology& topology, MemoryHold& making, Asks& asks);
 
+/// Returns the rings of one edge of all vertices, whatever the spec has. Takes memory as make_rings().
+RingTables make_neighbours(const Topology& topology, MemoryHold& making);
+
 }  // namespace collided

@@ -7,7 +7,9 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "gpu/base/share.hpp"
 #include "gpu/exec/asks.hpp"
@@ -39,7 +41,7 @@ class Meeting {
   /// A frame begins; no shard works on it yet.
   void begin() {
     error_ = nullptr;
-    arrived_ = 0;
+    arrived_ = joined_ = 0;
     next_ = {};
   }
 
@@ -62,6 +64,14 @@ class Meeting {
     return all_;  // the next round ends with this shard
   }
 
+  /// Makes each value the least of all shards'. All have equally many. Throws as meet().
+  void meet_least(std::span<uint64_t> values, Asks& asks) {
+    join_least(values);
+    meet({}, asks);
+    std::ranges::copy(least_, values.begin());
+    meet({}, asks);  // the next time begins when all have read this one's
+  }
+
   /// A shard fails with the exception in flight.
   void fail() noexcept {
     const std::lock_guard lock(mutex_);
@@ -79,6 +89,14 @@ class Meeting {
   }
 
  private:
+  void join_least(std::span<const uint64_t> values) {
+    const std::lock_guard lock(mutex_);
+    if (joined_ == 0)
+      least_.assign(values.begin(), values.end());
+    else
+      std::ranges::transform(least_, values, least_.begin(), [](uint64_t a, uint64_t b) { return std::min(a, b); });
+    joined_ = (joined_ + 1) % shards_;
+  }
   void end_round() {
     all_ = next_;
     next_ = {};
@@ -107,6 +125,8 @@ class Meeting {
   size_t arrived_ = 0;
   uint64_t round_ = 0;
   Found next_, all_;
+  std::vector<uint64_t> least_;
+  size_t joined_ = 0;  ///< shards whose values are in least_, modulo all
   std::exception_ptr error_;
 };
 

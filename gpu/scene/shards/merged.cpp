@@ -132,7 +132,9 @@ FrameResult merged_facts(const std::vector<FrameResult>& shards, Report report) 
   FrameResult all;
   all.broad_phase = first.broad_phase;
   all.reuse = first.reuse;
-  all.advanced = first.advanced;  // which they agreed on
+  // What they agreed on.
+  all.advanced = first.advanced, all.way = first.way;
+  all.shortened = first.shortened;
   all.unused_options = first.unused_options;
   all.stages = slowest_stages(shards);
   for (const FrameResult& shard : shards) {

@@ -26,7 +26,7 @@ FeaturePoints<Real> points_of(const Query& query) {
 }
 
 PairFloors floors(const FloorRules& rules, double f, double clearance, double extent, double coordinate) {
-  return rules.floors_of<double>({f, {}, extent}, clearance, coordinate);
+  return rules.floors_of<double>({f, extent, coordinate}, clearance);
 }
 
 TEST(Floors, HoldIsTheGreatestOfItsRowThatIsNotAbove) {
@@ -84,11 +84,11 @@ TEST(Floors, FollowFromTheDistanceAndWhatIsNear) {
 
 TEST(Floors, StepAfterStepNoneSinksByMoreThanItsRow) {
   const FloorRules rules{0.01, 1};
-  const PairFloors first = rules.floors_of<float>({0.005, {}, 1}, HUGE_VAL, 1);
+  const PairFloors first = rules.floors_of<float>({0.005, 1, 1}, HUGE_VAL);
   double kept = 0.005;
   int steps = 0;
   for (; steps < 100'000; ++steps) {
-    const double next = rules.floors_of<float>({kept, {}, 1}, HUGE_VAL, 1).end;
+    const double next = rules.floors_of<float>({kept, 1, 1}, HUGE_VAL).end;
     if (next == kept) break;
     ASSERT_LT(next, kept);
     ASSERT_GE(next, kept - first.noise * 1.0001);

@@ -3,7 +3,6 @@
 // It has no broad phase but boxes, and looks at pairs in any order that is asked for.
 
 #include <cmath>
-#include <map>
 #include <set>
 #include <vector>
 
@@ -164,42 +163,32 @@ class SerialSteps {
     }
     return extent;
   }
-  /// Clearances of a static vertex count for one other mesh alone.
-  std::pair<uint32_t, uint32_t> clearance_key(const StepPair& pair, size_t i) const {
-    const bool is_first = i < first_feature(pair.kind);
-    const uint32_t vertex = pair.v[i];
-    return {vertex, is_static(vertex) ? scene_.mesh[pair.v[is_first ? 3 : 0]] : ~0u};
-  }
   std::vector<StepPair> prepared() {
-    rules_ = FloorRules{min_separation_, scene_extent()};
+    rules_ = FloorRules::of(min_separation_, scene_extent());
     std::vector<StepPair> pairs;
-    std::vector<CertifiedDistance> starts;
-    std::map<std::pair<uint32_t, uint32_t>, double> clearance;
+    std::vector<StartDistance> starts;
+    std::vector<double> clearance(x_->size(), HUGE_VAL);
     for (StepPair pair : all_) {
       if (!boxes_meet(pair, rules_.reach())) continue;
       const FeaturePoints<Real> way = points_of(pair, *x_, *p_);
       const double noise = PositionNoise<Real>::kOfFloor * largest_coordinate(way);
-      CertifiedDistance start;
+      StartDistance start{};
       with_kind(pair, [&](auto kind) {
         using Kind = decltype(kind);
         pair.may_fail = !hulls_are_apart<Kind>(way, rules_.reach() + noise);
-        if (pair.may_fail) start = certified_distance<Kind>(way.start);
+        if (pair.may_fail) start = start_distance<Kind>(way);
       });
       pair.start = start.value;
       pairs.push_back(pair), starts.push_back(start);
       if (!pair.may_fail || start.value >= rules_.reach() || is_joined(pair)) continue;
-      for (size_t i = 0; i < 4; ++i) {
-        const auto found = clearance.try_emplace(clearance_key(pair, i), start.value).first;
-        found->second = std::min(found->second, start.value);
-      }
+      for (const uint32_t v : pair.v)
+        if (!is_static(v)) clearance[v] = std::min(clearance[v], start.value);
     }
     for (size_t n = 0; n < pairs.size(); ++n) {
       if (!pairs[n].may_fail) continue;
       double least = HUGE_VAL;
-      for (size_t i = 0; i < 4; ++i)
-        if (const auto found = clearance.find(clearance_key(pairs[n], i)); found != clearance.end())
-          least = std::min(least, found->second);
-      pairs[n].floors = rules_.floors_of<Real>(starts[n], least, largest_coordinate(points_of(pairs[n], *x_, *p_)));
+      for (const uint32_t v : pairs[n].v) least = std::min(least, clearance[v]);
+      pairs[n].floors = rules_.floors_of<Real>(starts[n], least);
     }
     return pairs;
   }

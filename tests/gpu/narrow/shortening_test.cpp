@@ -22,46 +22,6 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
-/// Two sheets, a cube over a sheet that stands, two balls over one, or a tetrahedron whose corner points at a sheet.
-StepScene any_scene(int which, double gap) {
-  StepScene scene;
-  const auto add = [&](const Shape& shape, bool fixed = false) { scene.add(shape.vertices, shape.faces, fixed); };
-  if (which == 0) add(sheet(4, 1, {0, 0, 0})), add(sheet(4, 1, {0.11, 0.07, gap}));
-  if (which == 1) add(sheet(3, 2, {0, 0, 0}), true), add(cube(1, {0, 0, gap}));
-  if (which == 2) {
-    const Shape below = ball(0.5, {0, 0, 0});
-    double lowest = 0, highest = 0;
-    for (const Vec3d& v : below.vertices) lowest = std::min(lowest, v[2]), highest = std::max(highest, v[2]);
-    add(below), add(ball(0.5, {0.01, 0, highest - lowest + gap})), add(sheet(3, 2, {0, 0, lowest - gap}));
-  }
-  if (which == 3) {
-    add(sheet(4, 1, {0, 0, 0}));
-    scene.add({{0.02, 0.01, gap}, {0.3, 0, 0.2}, {0, 0.3, 0.2}, {-0.2, 0, 0.3}},
-              {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
-  }
-  return scene;
-}
-
-/// Where a solver might want them: meshes turned and moved, vertices shaken.
-template <class Real>
-std::vector<Vec3d> any_target(const StepScene& scene, const std::vector<Vec3d>& x, double size, Random& random) {
-  const double way = size * std::pow(10.0, random.within(-6, -0.5));
-  std::vector<Vec3d> p = x;
-  if (random.chance(0.5))
-    for (Vec3d& v : p) v = plus(v, random.vector(way));
-  for (uint32_t mesh = 0; mesh < scene.is_static.size(); ++mesh) {
-    const Turn turn(times(std::pow(10.0, random.within(-8, -0.5)), random.vector(1)));
-    const Vec3d by = random.vector(way);
-    if (!random.chance(0.7)) continue;
-    const size_t first = static_cast<size_t>(std::ranges::find(scene.mesh, mesh) - scene.mesh.begin());
-    for (size_t v = 0; v < p.size(); ++v)
-      if (scene.mesh[v] == mesh) p[v] = plus(plus(turn(minus(p[v], x[first])), x[first]), by);
-  }
-  for (size_t v = 0; v < p.size(); ++v)
-    if (scene.is_static[scene.mesh[v]]) p[v] = x[v];
-  return rounded_to<Real>(p);
-}
-
 template <class Real>
 void play(int which, uint64_t seed, uint32_t first_round, Findings& findings) {
   Random random(seed);
@@ -131,8 +91,8 @@ void count_planes(uint64_t seed) {
       way.start[v] = real(plus(offset, turn(q)));
       way.end[v] = real(plus(plus(offset, turn(q)), random.vector(way_size)));
     }
-    const CertifiedDistance start = certified_distance<Kind>(way.start);
-    const PairFloors floors = FloorRules{1e-3, 4}.floors_of<Real>(start, HUGE_VAL, largest_coordinate(way));
+    const StartDistance start = start_distance<Kind>(way);
+    const PairFloors floors = FloorRules{1e-3, 4}.floors_of<Real>(start, HUGE_VAL);
     if (keeps_floors<Kind>(way, floors) || start.value < floors.end + floors.noise * 0.99) continue;
     ++failed;
     const Shares shares = shares_of_failed<Kind>(way, floors, Shortening::kPlanes);

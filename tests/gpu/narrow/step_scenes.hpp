@@ -83,4 +83,44 @@ std::vector<Vec3d> rounded_to(std::vector<Vec3d> positions) {
   return positions;
 }
 
+/// Two sheets, a cube over a sheet that stands, two balls over one, or a tetrahedron whose corner points at a sheet.
+inline StepScene any_scene(int which, double gap) {
+  StepScene scene;
+  const auto add = [&](const Shape& shape, bool fixed = false) { scene.add(shape.vertices, shape.faces, fixed); };
+  if (which == 0) add(sheet(4, 1, {0, 0, 0})), add(sheet(4, 1, {0.11, 0.07, gap}));
+  if (which == 1) add(sheet(3, 2, {0, 0, 0}), true), add(cube(1, {0, 0, gap}));
+  if (which == 2) {
+    const Shape below = ball(0.5, {0, 0, 0});
+    double lowest = 0, highest = 0;
+    for (const Vec3d& v : below.vertices) lowest = std::min(lowest, v[2]), highest = std::max(highest, v[2]);
+    add(below), add(ball(0.5, {0.01, 0, highest - lowest + gap})), add(sheet(3, 2, {0, 0, lowest - gap}));
+  }
+  if (which == 3) {
+    add(sheet(4, 1, {0, 0, 0}));
+    scene.add({{0.02, 0.01, gap}, {0.3, 0, 0.2}, {0, 0.3, 0.2}, {-0.2, 0, 0.3}},
+              {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
+  }
+  return scene;
+}
+
+/// Where a solver might want them: meshes turned and moved, vertices shaken.
+template <class Real>
+std::vector<Vec3d> any_target(const StepScene& scene, const std::vector<Vec3d>& x, double size, Random& random) {
+  const double way = size * std::pow(10.0, random.within(-6, -0.5));
+  std::vector<Vec3d> p = x;
+  if (random.chance(0.5))
+    for (Vec3d& v : p) v = plus(v, random.vector(way));
+  for (uint32_t mesh = 0; mesh < scene.is_static.size(); ++mesh) {
+    const Turn turn(times(std::pow(10.0, random.within(-8, -0.5)), random.vector(1)));
+    const Vec3d by = random.vector(way);
+    if (!random.chance(0.7)) continue;
+    const size_t first = static_cast<size_t>(std::ranges::find(scene.mesh, mesh) - scene.mesh.begin());
+    for (size_t v = 0; v < p.size(); ++v)
+      if (scene.mesh[v] == mesh) p[v] = plus(plus(turn(minus(p[v], x[first])), x[first]), by);
+  }
+  for (size_t v = 0; v < p.size(); ++v)
+    if (scene.is_static[scene.mesh[v]]) p[v] = x[v];
+  return rounded_to<Real>(p);
+}
+
 }  // namespace collided::test

@@ -1,7 +1,5 @@
 // How far a scene goes towards the positions that it is given: never into contact, and nearly as far as it can.
 
-#include "gpu/step/advance.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -29,22 +27,6 @@ TEST(Blend, EndsWhereItIsToldTo) {
 TEST(Blend, IsRoundedOnceToTheFormat) {
   const float x = 1, p = 1 + 0x1p-20f;
   EXPECT_EQ(static_cast<float>(1.0 + 0.3 * 0x1p-20), blend(x, p, 0.3));
-}
-
-TEST(AdvanceSearch, LeavesAShareOfWhatIsFree) {
-  AdvanceSearch search(0.5);
-  EXPECT_EQ(0.5 * (1 - AdvanceSearch::kLeft), search.fraction());
-  search.fail(1);
-  EXPECT_LT(search.fraction(), 0.5 * (1 - AdvanceSearch::kLeft)) << "a try that failed must not be tried again";
-}
-
-TEST(AdvanceSearch, GivesUpAfterAFewTries) {
-  AdvanceSearch search(1);
-  int tries = 0;
-  for (; search.can_try(); ++tries) search.fail(0.999);
-  EXPECT_LE(tries, 8);
-  EXPECT_EQ(0, search.fraction());
-  EXPECT_FALSE(AdvanceSearch(0).can_try());
 }
 
 SceneSpec ccd(const Case& c, Scalar scalar, double thickness = 0, double min_separation = 0) {

@@ -1,0 +1,177 @@
+#pragma once
+// Frames that go as far as they can: after the frame's own step, which tells the contacts of the whole way, the scene
+// goes towards the frame's positions, each group of vertices as far as all pairs keep their floors
+// (step/shorten_phase.hpp).
+
+#include <cmath>
+#include <vector>
+
+#include "gpu/base/groups.hpp"
+#include "gpu/scene/resident_positions.hpp"
+#include "gpu/scene/scene_model.hpp"
+#include "gpu/scene/shards/meeting.hpp"
+#include "gpu/scene/stage_costs.hpp"
+#include "gpu/step/pipeline.hpp"
+
+namespace collided {
+
+template <Executor Exec, class Real>
+class Advances {
+ public:
+  /// `shard`: the scene is a shard of another; may be null.
+  Advances(Exec& exec, SceneModel<Exec, Real>& model, const ShardOf* shard, ResidentPositions<Exec, Real>& positions,
+           Pipeline<Exec, Real>& pipeline)
+      : exec_(exec),
+        model_(model),
+        topology_(model.buffers().topology),
+        ways_(model.buffers().ways),
+        shard_(shard),
+        positions_(positions),
+        pipeline_(pipeline) {}
+
+  /// Goes from the end of the frame's own step back to where the scene can go.
+  void go(AdvanceMode mode, FrameResult& result) {
+    const size_t own_stages = result.stages.size();
+    positions_.keep_target();
+    exec_.stage("advance", [&] {
+      require_neighbours();
+      require_groups(mode);
+    });
+    const WaysMeasure measured = pipeline_.measure_ways();
+    const FrameResult found = pipeline_.find_blocking(rules(measured), largest_coordinate(measured));
+    WaysGone gone{};
+    pipeline_.shorten([&](ShortenPhase<Exec, Real>& shorten) {
+      run_rounds(shorten);
+      gone = shorten.add_up(positions_.target(), measured.longest);
+      if (gone.least_bits != kWhole) tell(mode, shorten.fractions(positions_.target()), result.shortened);
+    });
+    result.advanced = detail::bit_copy<double>(gone.least_bits);
+    result.way = gone.all > 0 ? static_cast<double>(gone.gone) / static_cast<double>(gone.all) : *result.advanced;
+    add_costs(result, own_stages, found);
+  }
+
+ private:
+  static constexpr uint64_t kWhole = 0x3ff0000000000000;  // 1.0
+
+  const SceneShape& shape() const { return model_.shape(); }
+  uint32_t vertices() const { return shape().vertex_offset.back(); }
+
+  void require_neighbours() {
+    if (topology_.neighbour_begin.capacity() > 0) return;
+    MemoryHold making(model_.spec().memory_quota);
+    const RingTables neighbours = make_neighbours(model_.topology(), making);
+    upload(topology_.neighbours, neighbours.vertices);
+    upload(topology_.neighbour_begin, neighbours.begin);  // the last one: now all are there
+    exec_.wait();
+  }
+  void require_groups(AdvanceMode mode) {
+    if (topology_.group_of.capacity() > 0 && topology_.groups_are_of == mode) return;
+    MemoryHold making(model_.spec().memory_quota);
+    making.resize(vertices() * sizeof(uint32_t));
+    std::vector<uint32_t> groups(vertices());
+    for (uint32_t mesh = 0; mesh < shape().meshes(); ++mesh)
+      for (uint32_t v = shape().vertex_offset[mesh]; v < shape().vertex_offset[mesh + 1]; ++v)
+        groups[v] = group_of(mode, mesh, v);
+    upload(topology_.group_of, groups);
+    exec_.wait();
+    topology_.groups_are_of = mode;
+  }
+  uint32_t group_of(AdvanceMode mode, uint32_t mesh, uint32_t vertex) const {
+    const MeshMotion motion = shape().mesh(mesh).motion;
+    if (motion == MeshMotion::kStatic) return kStands;
+    if (mode == AdvanceMode::kAllOrOne) return 0;
+    return mode == AdvanceMode::kPerMesh || motion == MeshMotion::kRigid ? shape().vertex_offset[mesh] : vertex;
+  }
+  void upload(Buffer<uint32_t, Exec>& to, const std::vector<uint32_t>& from) {
+    to.allocate(from.size());
+    exec_.upload(to.data(), from.data(), from.size() * sizeof(uint32_t));
+  }
+
+  WayRules rules(const WaysMeasure& measured) const {
+    const Vec3<float> extent = measured.start.hi - measured.start.lo;
+    return {FloorRules::of(model_.spec().min_separation, std::fmax(extent.x, std::fmax(extent.y, extent.z))),
+            rounded_up(positions_.off_straight())};
+  }
+  static double largest_coordinate(const WaysMeasure& measured) {
+    const double start = max(largest_component(measured.start.lo), largest_component(measured.start.hi));
+    return rounded_up(start + static_cast<double>(measured.longest));
+  }
+  /// To a power of two: steps with other numbers are recorded anew.
+  static double rounded_up(double x) { return x > 0 ? std::exp2(std::ceil(std::log2(x))) : 0; }
+
+  void run_rounds(ShortenPhase<Exec, Real>& shorten) {
+    if (shard_ != nullptr) join_starts(shorten);
+    for (uint32_t round = 0; any_failed(); ++round) {
+      exec_.stage("shorten", [&] {
+        shorten.propose(round);
+        join_shares();
+        if (shortening_of(round) == Shortening::kIslands) join_islands(shorten);
+        shorten.take_shares(round);
+        positions_.go();
+        shorten.judge_changed(round);
+      });
+      pipeline_.look_at_rounds();
+    }
+  }
+  void join_islands(ShortenPhase<Exec, Real>& shorten) {
+    while (any(shorten.join_islands(positions_.target()) > 0)) join_shares();
+  }
+
+  // What shards of a scene have to know of each other.
+  bool any_failed() { return any(pipeline_.count_failed() > 0); }
+  bool any(bool here) { return shard_ == nullptr ? here : shard_->meeting.meet({here, 1}, exec_.asks()).any_contact; }
+  void join_starts(ShortenPhase<Exec, Real>& shorten) {
+    join_least(ways_.clearances);
+    shorten.judge_all();
+    pipeline_.look_at_rounds();
+  }
+  void join_shares() {
+    if (shard_ != nullptr) join_least(ways_.shares);
+  }
+  void join_least(Buffer<uint64_t, Exec>& values) {
+    MemoryHold held(model_.spec().memory_quota);
+    held.resize(2 * uint64_t{vertices()} * sizeof(uint64_t));  // and the meeting's own
+    std::vector<uint64_t> here(vertices());
+    exec_.download(here.data(), values.data(), here.size() * sizeof(uint64_t));
+    shard_->meeting.meet_least(here, exec_.asks());
+    exec_.upload(values.data(), here.data(), here.size() * sizeof(uint64_t));
+    exec_.wait();
+  }
+
+  void tell(AdvanceMode mode, const std::vector<double>& fractions, ShortenedWays& told) const {
+    if (mode == AdvanceMode::kAllOrOne) return;
+    const auto add = [&](uint32_t id, uint32_t group) {
+      if (group == kStands || fractions[group] == 1) return;
+      told.ids.push_back(id);
+      told.fractions.push_back(fractions[group]);
+    };
+    for (uint32_t mesh = 0; mesh < shape().meshes(); ++mesh) {
+      const uint32_t first = shape().vertex_offset[mesh], end = shape().vertex_offset[mesh + 1];
+      if (first == end) continue;
+      if (mode == AdvanceMode::kPerMesh)
+        add(mesh, group_of(mode, mesh, first));
+      else
+        for (uint32_t v = first; v < end; ++v) add(v, group_of(mode, mesh, v));
+    }
+  }
+
+  /// Adds the costs of all that came after the frame's own step, as one stage.
+  void add_costs(FrameResult& result, size_t own_stages, const FrameResult& found) {
+    result.replays += found.replays;
+    result.allocations = exec_.allocations();
+    result.graph_launches = exec_.graph_launches();
+    result.step_milliseconds = exec_.step_milliseconds();
+    result.stages = exec_.stage_times();
+    make_one_stage(result.stages, own_stages, result.stages.size(), "advance");
+  }
+
+  Exec& exec_;
+  SceneModel<Exec, Real>& model_;
+  ResidentTopology<Exec>& topology_;
+  FractionBuffers<Exec>& ways_;
+  const ShardOf* const shard_;
+  ResidentPositions<Exec, Real>& positions_;
+  Pipeline<Exec, Real>& pipeline_;
+};
+
+}  // namespace collided

@@ -1,0 +1,245 @@
+#pragma once
+// What a step that advances does with each of its pairs of features, and with each vertex (narrow/shortening.hpp).
+
+#include "gpu/base/groups.hpp"
+#include "gpu/narrow/gather.hpp"
+#include "gpu/narrow/hulls_apart.hpp"
+#include "gpu/narrow/shortening.hpp"
+#include "gpu/search/excluded_pairs.hpp"
+#include "gpu/state/level_needs.hpp"
+#include "gpu/state/state.hpp"
+
+namespace collided {
+
+/// Keeps the candidates that no plane parts whatever fractions of their ways the vertices go.
+template <class Real, class Kind>
+struct ScreenHulls {
+  const Vec3<Real>* start;
+  const Vec3<Real>* target;
+  Kind kind;
+  WayRules rules;
+  Span<const uint64_t> candidates;
+  AppendList<uint64_t> survivors;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const FeaturePoints<Real> way = points_of(kind.stencil(candidates[i]), start, target);
+    const double noise = PositionNoise<Real>::kOfFloor * largest_coordinate(way);
+    if (!hulls_are_apart<Kind>(way, rules.floors.reach() + (noise + 2 * rules.off))) survivors.push(candidates[i]);
+  }
+};
+
+/// Pairs of one kind on the backend, and what is known of them. Vertices have clearances and fractions by themselves or
+/// by their groups; vertices that stand have none.
+template <class Real, class Kind>
+struct WaysOfPairs {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;  ///< as far as the vertices go
+  Kind kind;
+  FloorRules rules;
+  Span<const uint64_t> pairs;
+  Span<StartDistance> starts;
+  const uint32_t* group_of;
+  uint64_t* clearances;
+
+  COLLIDED_HD Stencil stencil(uint64_t pair) const { return kind.stencil(pairs[pair]); }
+  COLLIDED_HD FeaturePoints<Real> way(const Stencil& s) const { return points_of(s, start, end); }
+  COLLIDED_HD PairFloors floors(uint64_t pair, const Stencil& s) const {
+    uint64_t least = detail::bit_copy<uint64_t>(HUGE_VAL);
+    for (const uint32_t v : s.v)
+      if (group_of[v] != kStands) least = min(least, clearances[v]);
+    return rules.floors_of<Real>(starts[pair], detail::bit_copy<double>(least));
+  }
+};
+
+/// Measures the distance that each pair starts at, and so the clearances.
+template <class Real, class Kind>
+struct MeasureStarts {
+  WaysOfPairs<Real, Kind> ways;
+  VertexRings joined;
+
+  COLLIDED_HD void operator()(uint64_t pair) const {
+    const Stencil s = ways.stencil(pair);
+    const StartDistance start = start_distance<Kind>(ways.way(s));
+    ways.starts[pair] = start;
+    if (start.value >= ways.rules.reach() || are_joined(s)) return;
+    for (const uint32_t v : s.v)
+      if (ways.group_of[v] != kStands) atomic_min(ways.clearances[v], detail::bit_copy<uint64_t>(start.value));
+  }
+
+ private:
+  COLLIDED_HD bool are_joined(const Stencil& s) const {
+    constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+    for (int i = 0; i < kFirst; ++i)
+      for (int j = kFirst; j < 4; ++j)
+        if (joined.connect(s.v[i], s.v[j])) return true;
+    return false;
+  }
+};
+
+/// Lists the pairs that do not keep their floors, of all or of those that are `looked_at`.
+template <class Real, class Kind>
+struct JudgePairs {
+  WaysOfPairs<Real, Kind> ways;
+  Span<const uint64_t> looked_at;  ///< empty: all
+  AppendList<uint64_t> failed;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint64_t pair = looked_at.empty() ? i : looked_at[i];
+    const Stencil s = ways.stencil(pair);
+    if (!keeps_floors<Kind>(ways.way(s), ways.floors(pair, s))) failed.push(pair);
+  }
+};
+
+/// Leaves the least share that any failed pair proposes to a group.
+template <class Real, class Kind>
+struct ProposeShares {
+  WaysOfPairs<Real, Kind> ways;
+  Span<const uint64_t> failed;
+  Shortening how;
+  uint64_t* shares;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint64_t pair = failed[i];
+    const Stencil s = ways.stencil(pair);
+    const Shares proposed = shares_of_failed<Kind>(ways.way(s), ways.floors(pair, s), how);
+    for (int k = 0; k < 4; ++k)
+      if (const uint32_t group = ways.group_of[s.v[k]]; group != kStands && proposed.of[k] < 1)
+        atomic_min(shares[group], detail::bit_copy<uint64_t>(proposed.of[k]));
+  }
+};
+
+/// Lists the pairs with a vertex whose fraction the round has changed.
+template <class Real, class Kind>
+struct ListChanged {
+  WaysOfPairs<Real, Kind> ways;
+  const uint32_t* changed_in;
+  uint32_t round;
+  AppendList<uint64_t> looked_at;
+
+  COLLIDED_HD void operator()(uint64_t pair) const {
+    for (const uint32_t v : ways.stencil(pair).v)
+      if (const uint32_t group = ways.group_of[v]; group != kStands && changed_in[group] == round) {
+        looked_at.push(pair);
+        return;
+      }
+  }
+};
+
+/// Makes stand what is connected to what stands: a share of 0 goes from vertex to vertex, through pairs, where vertices
+/// move at all. Counts how often it went on.
+template <class Real, class Kind>
+struct JoinIslands {
+  WaysOfPairs<Real, Kind> ways;  ///< to where the vertices are to go
+  uint64_t* shares;
+  uint64_t* joined;
+
+  COLLIDED_HD void operator()(uint64_t pair) const {
+    const Stencil s = ways.stencil(pair);
+    bool stands = false;
+    for (const uint32_t v : s.v) stands = stands || (moves(v) && atomic_read(shares[ways.group_of[v]]) == 0);
+    if (!stands) return;
+    for (const uint32_t v : s.v)
+      if (moves(v) && atomic_read(shares[ways.group_of[v]]) != 0) {
+        atomic_write(shares[ways.group_of[v]], uint64_t{0});
+        atomic_add(*joined, uint64_t{1});
+      }
+  }
+
+ private:
+  COLLIDED_HD bool moves(uint32_t v) const {
+    return ways.group_of[v] != kStands && !is_same(ways.start[v], ways.end[v]);
+  }
+};
+
+/// Shortens groups by the shares of a round, and makes the shares those of the next one, which proposes none yet.
+struct TakeShares {
+  uint64_t* shares;
+  double* fractions;
+  uint32_t* changed_in;
+  uint32_t round;
+
+  COLLIDED_HD void operator()(uint64_t group) const {
+    constexpr uint64_t kWhole = 0x3ff0000000000000;  // 1.0
+    const uint64_t share = shares[group];
+    if (share == kWhole) return;
+    shares[group] = kWhole;
+    const double next = shortened(fractions[group], detail::bit_copy<double>(share));
+    if (next == fractions[group]) return;
+    fractions[group] = next;
+    changed_in[group] = round;
+  }
+};
+
+/// Before the first round.
+struct BeginWays {
+  uint64_t* clearances;
+  uint64_t* shares;
+  double* fractions;
+  uint32_t* changed_in;
+
+  COLLIDED_HD void operator()(uint64_t v) const {
+    clearances[v] = detail::bit_copy<uint64_t>(HUGE_VAL);
+    shares[v] = detail::bit_copy<uint64_t>(1.0);
+    fractions[v] = 1;
+    changed_in[v] = 0;
+  }
+};
+
+/// How far a vertex goes, to be added up. Lengths are counted in whole units, so that their order plays no part.
+template <class Real>
+struct GoneOfWay {
+  const Vec3<Real>* start;
+  const Vec3<Real>* target;
+  const uint32_t* group_of;
+  const double* fractions;
+  double units;  ///< in a length of 1
+
+  COLLIDED_HD WaysGone operator()(uint64_t v) const {
+    const uint32_t group = group_of[v];
+    if (group == kStands || is_same(start[v], target[v])) return nothing();
+    const Vec3<double> way = units * (convert<double>(target[v]) - convert<double>(start[v]));
+    const double length = square_root(dot(way, way)), a = fractions[group];
+    return {static_cast<uint64_t>(length), static_cast<uint64_t>(a * length), detail::bit_copy<uint64_t>(a)};
+  }
+  COLLIDED_HD static WaysGone nothing() { return {0, 0, detail::bit_copy<uint64_t>(1.0)}; }
+};
+struct AddGone {
+  COLLIDED_HD WaysGone operator()(const WaysGone& a, const WaysGone& b) const {
+    return {a.all + b.all, a.gone + b.gone, min(a.least_bits, b.least_bits)};
+  }
+};
+
+/// Leaves the fractions of groups that move among those of others, which are 1.
+template <class Real>
+struct TellFractions {
+  const Vec3<Real>* start;
+  const Vec3<Real>* target;
+  const uint32_t* group_of;
+  const double* fractions;
+  uint64_t* told;  ///< bits of 1 at first
+
+  COLLIDED_HD void operator()(uint64_t v) const {
+    const uint32_t group = group_of[v];
+    if (group == kStands || is_same(start[v], target[v])) return;
+    atomic_write(told[group], detail::bit_copy<uint64_t>(fractions[group]));
+  }
+};
+
+/// A vertex's way, to be joined with others'.
+template <class Real>
+struct MeasureWay {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+
+  COLLIDED_HD WaysMeasure operator()(uint64_t v) const {
+    const Vec3<double> x = convert<double>(start[v]), p = convert<double>(end[v]);
+    return {outward_float(Path<Real>{start[v], start[v]}.swept()), round_up<float>(largest_component(p - x))};
+  }
+};
+struct JoinMeasures {
+  COLLIDED_HD WaysMeasure operator()(const WaysMeasure& a, const WaysMeasure& b) const {
+    return {JoinBoxes{}(a.start, b.start), max(a.longest, b.longest)};
+  }
+};
+
+}  // namespace collided

@@ -1,0 +1,160 @@
+#pragma once
+// Ways are shortened until all pairs of features keep their floors (narrow/shortening.hpp). A step of the pipeline finds
+// the pairs that may not keep them, whatever fractions vertices go; its last stage looks at all of them. Rounds follow:
+// each shortens what failed pairs propose, and looks again at the pairs that this changes. The host looks at how many
+// have failed, and at nothing else.
+
+#include <vector>
+
+#include "gpu/step/blocking_pairs.hpp"
+#include "gpu/state/context.hpp"
+
+namespace collided {
+
+template <Executor Exec, class Real>
+class ShortenPhase {
+ public:
+  explicit ShortenPhase(const StepContext<Exec, Real>& context)
+      : exec_(context.exec), counts_(context.counts), scene_(context.scene) {}
+
+  /// The next steps have these needs.
+  void begin(const LevelNeeds& needs) {
+    rules_ = needs.ways;
+    kinds_ = needs.kinds;
+  }
+  /// Makes room for the pairs that the lists of candidates have room for.
+  void reserve() {
+    scene_.ways.allocate(counts_.vertices);
+    for_each_kind_of_pairs([&](int k, const auto&) { scene_.blocking[k].allocate(scene_.candidates[k].screened.capacity()); });
+  }
+
+  // The step's own part, to where the frame wants to go.
+  template <class Kind>
+  void screen(const Kind& kind) {
+    CandidateBuffers<Exec>& lists = scene_.candidates[kIndexOf<Kind>];
+    StepState* state = scene_.state.data();
+    exec_.stage("screen", [&] {
+      exec_.for_each("screen_hulls", Counted{&state->kept[kIndexOf<Kind>], lists.kept.capacity()},
+                     ScreenHulls<Real, Kind>{scene_.start.data(), scene_.end.data(), kind, rules_, lists.kept.all(),
+                                             {lists.screened.all(), &state->screened[kIndexOf<Kind>]}});
+    });
+  }
+  /// Lets all vertices go all of their ways.
+  void begin_ways() {
+    FractionBuffers<Exec>& ways = scene_.ways;
+    exec_.for_each("begin_ways", counts_.vertices,
+                   BeginWays{ways.clearances.data(), ways.shares.data(), ways.fractions.data(), ways.changed_in.data()});
+  }
+  /// Measures the distances that all pairs start at.
+  void measure_starts() {
+    reserve();  // a step by parts has made room for pairs since
+    exec_.stage("starts", [&] {
+      for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
+        exec_.for_each("measure_starts", pairs(k), MeasureStarts<Real, Kind>{ways_of(kind), scene_.topology.joined()});
+      });
+    });
+  }
+  /// Looks at all pairs.
+  void judge_all() {
+    exec_.stage("judge", [&] {
+      begin_round();
+      for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) { judge(kind, pairs(k), {}); });
+    });
+  }
+
+  // Rounds, each of which waits for the one before. Positions are those that the fractions lead to.
+  /// Lets failed pairs propose.
+  void propose(uint32_t round) {
+    const Shortening how = shortening_of(round);
+    for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
+      const Buffer<uint64_t, Exec>& failed = scene_.blocking[k].failed;
+      exec_.for_each("propose_shares", Counted{&state()->round.failed[k], failed.capacity()},
+                     ProposeShares<Real, Kind>{ways_of(kind), failed.all(), how, scene_.ways.shares.data()});
+    });
+  }
+  /// Lets what stands take in what is connected to it. Returns the vertices that it took in.
+  uint64_t join_islands(const Vec3<Real>* target) {
+    exec_.fill_zero(&state()->round.joined, sizeof(uint64_t));
+    for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
+      WaysOfPairs<Real, Kind> ways = ways_of(kind);
+      ways.end = target;
+      exec_.for_each("join_islands", pairs(k),
+                     JoinIslands<Real, Kind>{ways, scene_.ways.shares.data(), &state()->round.joined});
+    });
+    return exec_.peek(state()).round.joined;
+  }
+  /// Shortens all groups by the shares that were proposed.
+  void take_shares(uint32_t round) {
+    FractionBuffers<Exec>& ways = scene_.ways;
+    exec_.for_each("take_shares", counts_.vertices,
+                   TakeShares{ways.shares.data(), ways.fractions.data(), ways.changed_in.data(), round + 1});
+  }
+  /// Looks again at what the round has changed.
+  void judge_changed(uint32_t round) {
+    begin_round();
+    for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
+      const AppendList<uint64_t> list{scene_.blocking[k].looked_at.all(), &state()->round.looked_at[k]};
+      exec_.for_each("list_changed", pairs(k),
+                     ListChanged<Real, Kind>{ways_of(kind), scene_.ways.changed_in.data(), round + 1, list});
+      judge(kind, {list.count, list.items.size()}, list.items);
+    });
+  }
+
+  /// Adds up what became of the ways to the target. Waits.
+  WaysGone add_up(const Vec3<Real>* target, float longest) {
+    const double most = 0x1p61 / static_cast<double>(counts_.vertices);
+    const double units = longest > 0 ? std::exp2(std::floor(std::log2(most / longest))) : 1;
+    exec_.reduce_into("gone", counts_.vertices,
+                      GoneOfWay<Real>{scene_.start.data(), target, group_of(), scene_.ways.fractions.data(), units},
+                      GoneOfWay<Real>::nothing(), AddGone{}, &state()->gone);
+    return exec_.peek(state()).gone;
+  }
+  /// Returns the fraction of each group that moves towards the target; 1 of all others.
+  std::vector<double> fractions(const Vec3<Real>* target) {
+    FractionBuffers<Exec>& ways = scene_.ways;
+    exec_.for_each("tell_fractions", counts_.vertices,
+                   TellFractions<Real>{scene_.start.data(), target, group_of(), ways.fractions.data(), ways.shares.data()});
+    std::vector<double> told(counts_.vertices);
+    exec_.download(told.data(), ways.shares.data(), told.size() * sizeof(double));
+    return told;
+  }
+
+ private:
+  StepState* state() const { return scene_.state.data(); }
+  const uint32_t* group_of() const { return scene_.topology.group_of.data(); }
+  template <class Use>
+  void for_each_kind_of_pairs(const Use& use) const {
+    FeatureKinds::of(scene_.topology).for_each([&]<class Kind>(const Kind& kind) {
+      if (value_of(kinds_, Kind::kKind)) use(kIndexOf<Kind>, kind);
+    });
+  }
+  Counted pairs(int kind) const { return {&state()->screened[kind], scene_.candidates[kind].screened.capacity()}; }
+  template <class Kind>
+  WaysOfPairs<Real, Kind> ways_of(const Kind& kind) const {
+    constexpr int k = kIndexOf<Kind>;
+    return {scene_.start.data(),
+            scene_.end.data(),
+            kind,
+            rules_.floors,
+            scene_.candidates[k].screened.all(),
+            scene_.blocking[k].starts.all(),
+            group_of(),
+            scene_.ways.clearances.data()};
+  }
+  void begin_round() { exec_.fill_zero(&state()->round, sizeof(RoundCounts)); }
+  template <class Kind>
+  void judge(const Kind& kind, const Counted& count, Span<const uint64_t> looked_at) {
+    constexpr int k = kIndexOf<Kind>;
+    exec_.for_each("judge_pairs", count,
+                   JudgePairs<Real, Kind>{ways_of(kind), looked_at,
+                                          {scene_.blocking[k].failed.all(), &state()->round.failed[k]}});
+  }
+
+  Exec& exec_;
+  const SceneCounts& counts_;
+  SceneBuffers<Exec, Real>& scene_;
+  WayRules rules_;
+  PerKind<bool> kinds_ = {};
+};
+
+}  // namespace collided

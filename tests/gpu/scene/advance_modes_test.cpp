@@ -1,0 +1,179 @@
+// Frames that advance go where the serial reference of tests/gpu/narrow goes, whose steps integer arithmetic judges, to
+// the byte: in each mode, format and order of work.
+
+#include <cstring>
+
+#include "tests/gpu/narrow/serial_steps.hpp"
+#include "tests/gpu/narrow/step_scenes.hpp"
+#include "tests/gpu/refused_field.hpp"
+#include "tests/gpu/shards/one_and_shards.hpp"
+#include "tests/support/case.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr AdvanceMode kModes[] = {AdvanceMode::kAllOrOne, AdvanceMode::kPerMesh, AdvanceMode::kPerVertex};
+
+FractionOf fraction_of(AdvanceMode mode) {
+  return mode == AdvanceMode::kPerVertex ? FractionOf::kVertex
+         : mode == AdvanceMode::kPerMesh ? FractionOf::kMesh
+                                         : FractionOf::kScene;
+}
+
+/// The scene on its way from x to p.
+Case case_of(const StepScene& scene, const std::vector<Vec3d>& x, const std::vector<Vec3d>& p) {
+  Case c;
+  uint32_t first = 0;
+  for (uint32_t mesh = 0; mesh < scene.is_static.size(); ++mesh) {
+    uint32_t end = first;
+    while (end < scene.mesh.size() && scene.mesh[end] == mesh) ++end;
+    std::vector<std::array<uint32_t, 3>> triangles;
+    std::vector<std::array<uint32_t, 2>> edges;
+    std::vector<uint32_t> points;
+    for (const auto& t : scene.triangles) {
+      if (t[0] < first || t[0] >= end) continue;
+      const uint32_t a = t[0] - first, b = t[1] - first, d = t[2] - first;
+      if (b != d)
+        triangles.push_back({a, b, d});
+      else if (a != b)
+        edges.push_back({a, b});
+      else
+        points.push_back(a);
+    }
+    const auto of_mesh = [&](const std::vector<Vec3d>& all) { return Positions(all.begin() + first, all.begin() + end); };
+    add_mesh(c, std::move(triangles), of_mesh(x), of_mesh(p), scene.is_static[mesh]);
+    c.meshes.back().edges = std::move(edges), c.meshes.back().points = std::move(points);
+    first = end;
+  }
+  return c;
+}
+
+class AdvanceModes : public OnBackend<::testing::Test> {
+ protected:
+  /// Compares some steps of a scene with the reference's.
+  template <class Real>
+  static void play(const StepScene& scene, double m, AdvanceMode mode, uint64_t seed, const SceneSpec& how) {
+    constexpr Scalar kScalar = sizeof(Real) == 4 ? Scalar::kF32 : Scalar::kF64;
+    Random random(seed);
+    SerialSteps<Real> reference(scene, m, fraction_of(mode));
+    std::vector<Vec3d> x = rounded_to<Real>(scene.positions);
+    SceneSpec spec = how;
+    spec.scalar = kScalar, spec.min_separation = m;
+    const Case first = case_of(scene, x, x);
+    const auto detector = Detector::create(spec_for(first, spec));
+    detector->detect(Frame(first, Mode::kCcd, kScalar).input());
+    double size = 0;
+    for (const Vec3d& p : x) size = std::max({size, std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+    for (int step = 0; step < 3; ++step) {
+      const std::vector<Vec3d> p = any_target<Real>(scene, x, size, random);
+      const StepResult expected = reference.advance(x, p);
+      const Frame frame(case_of(scene, x, p), Mode::kDcd, kScalar, false);
+      FrameInput input = frame.input();
+      input.advance = true, input.advance_mode = mode;
+      const FrameResult result = detector->detect(input);
+      expect_same(scene, x, p, expected, mode, result);
+      std::vector<std::byte> at(x.size() * position_bytes(kScalar));
+      detector->read_positions({0, 1, x.size()}, at);
+      ASSERT_EQ(at, pack(expected.y, kScalar)) << "step " << step;
+      x = expected.y;
+    }
+  }
+
+ private:
+  static void expect_same(const StepScene& scene, const std::vector<Vec3d>& x, const std::vector<Vec3d>& p,
+                          const StepResult& expected, AdvanceMode mode, const FrameResult& result) {
+    double least = 1, gone = 0, all = 0;
+    std::vector<uint32_t> ids;
+    std::vector<double> fractions;
+    for (uint32_t v = 0; v < x.size(); ++v) {
+      if (x[v] == p[v]) continue;
+      const Vec3d way = minus(p[v], x[v]);
+      const double length = std::hypot(way[0], way[1], way[2]), a = expected.fractions[v];
+      least = std::min(least, a), all += length, gone += a * length;
+      const uint32_t id = mode == AdvanceMode::kPerVertex ? v : scene.mesh[v];
+      if (mode == AdvanceMode::kAllOrOne || a == 1 || (!ids.empty() && ids.back() == id)) continue;
+      ids.push_back(id), fractions.push_back(a);
+    }
+    EXPECT_EQ(result.advanced, least);
+    EXPECT_NEAR(result.way, all > 0 ? gone / all : 1, 0x1p-20);
+    EXPECT_EQ(result.shortened.ids, ids);
+    EXPECT_EQ(result.shortened.fractions, fractions);
+  }
+};
+
+/// Touching, too near, resting or apart.
+StepScene placed_scene(uint64_t seed, double least_exponent) {
+  Random random(seed);
+  const double gaps[] = {0, 0.5e-3, 1e-3, std::pow(10.0, random.within(least_exponent, -2))};
+  StepScene scene = any_scene(static_cast<int>(seed % 4), gaps[random.integer(0, 3)]);
+  const Turn turn(random.vector(3));
+  const double offset = random.chance(0.5) ? 0 : 4;
+  for (Vec3d& p : scene.positions) p = plus(turn(p), {offset, 0.7 * offset, 0.3 * offset});
+  return scene;
+}
+
+TEST_F(AdvanceModes, GoWhereTheReferenceGoes) {
+  for (uint64_t seed = 1; seed <= 24; ++seed)
+    for (const AdvanceMode mode : kModes) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", mode " + std::to_string(static_cast<int>(mode)));
+      SceneSpec spec = settings(Mode::kCcd, seed % 3 == 0 ? Accuracy::kExact : Accuracy::kCertified);
+      spec.threads = seed % 2 == 0 ? 1 : 3;
+      play<double>(placed_scene(seed, -12), seed % 5 == 0 ? 0 : 1e-3, mode, seed, spec);
+      play<float>(placed_scene(seed, -5), seed % 5 == 0 ? 0 : 1e-3, mode, seed, spec);
+    }
+}
+
+TEST_F(AdvanceModes, AreTheSameForEachEngineAndInShards) {
+  for (uint64_t seed = 31; seed <= 36; ++seed)
+    for (const AdvanceMode mode : kModes)
+      for (const Engine engine : {Engine::kOctree, Engine::kUniformGrid, Engine::kLbvh, Engine::kAllPairs}) {
+        SCOPED_TRACE("seed " + std::to_string(seed) + ", engine " + std::to_string(static_cast<int>(engine)));
+        SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
+        spec.engine = engine;
+        play<double>(placed_scene(seed, -8), 1e-3, mode, seed, spec);
+        play<double>(placed_scene(seed, -8), 1e-3, mode, seed, in_parts(spec, 1 + seed % 3));
+      }
+}
+
+/// A column of triangles, each of which blocks the next one, so that islands stand in the end.
+TEST_F(AdvanceModes, EndWithIslandsWhereNothingElseHelps) {
+  StepScene scene;
+  for (uint32_t i = 0; i < 130; ++i) {
+    const Turn turn({0, 0, 0.3 * i});
+    std::vector<Vec3d> triangle{{-0.5, -0.5, i * 1e-3}, {0.5, -0.5, i * 1e-3}, {0, 0.6, i * 1e-3}};
+    for (Vec3d& p : triangle) p = turn(p);
+    scene.add(triangle, {{0, 1, 2}}, i == 0);
+  }
+  std::vector<Vec3d> p = scene.positions;
+  for (size_t v = 3; v < p.size(); ++v) p[v][2] -= 0.5e-3;
+  const StepResult expected = SerialSteps<double>(scene, 1e-3, FractionOf::kMesh).advance(scene.positions, p);
+  ASSERT_GT(expected.rounds, 96u) << "islands";
+  SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
+  spec.min_separation = 1e-3;
+  const Case at_rest = case_of(scene, scene.positions, scene.positions), way = case_of(scene, scene.positions, p);
+  for (const size_t shards : {0, 2}) {
+    const SceneSpec all = spec_for(at_rest, shards > 0 ? in_parts(spec, shards) : spec);
+    const auto detector = Detector::create(all);
+    detector->detect(Frame(at_rest, Mode::kCcd, Scalar::kF64).input());
+    const Frame frame(way, Mode::kDcd, Scalar::kF64, false);
+    FrameInput input = frame.input();
+    input.advance = true, input.advance_mode = AdvanceMode::kPerMesh;
+    detector->detect(input);
+    std::vector<std::byte> at(p.size() * position_bytes(Scalar::kF64));
+    detector->read_positions({0, 1, p.size()}, at);
+    EXPECT_EQ(at, pack(expected.y, Scalar::kF64));
+  }
+}
+
+TEST_F(AdvanceModes, NeedAFrameThatAdvances) {
+  const StepScene scene = any_scene(0, 0.1);
+  const Case c = case_of(scene, scene.positions, scene.positions);
+  const auto detector = Detector::create(spec_for(c, settings(Mode::kCcd, Accuracy::kCertified)));
+  const Frame frame(c, Mode::kCcd, Scalar::kF64);
+  FrameInput input = frame.input();
+  input.advance_mode = AdvanceMode::kPerMesh;
+  EXPECT_EQ("advance_mode", refused_field([&] { detector->detect(input); }));
+}
+
+}  // namespace
+}  // namespace collided::test
