@@ -110,8 +110,8 @@ COLLIDED_HD PairFloors FloorRules::floors_of(const StartDistance& start, double 
   floors.kept = min(min(reach(), f), max(clearance, 4 * least_floor()));
   floors.way = kOfWay * floors.kept;
   floors.noise = PositionNoise<Real>::kOfFloor * start.largest_coordinate;
-  floors.end =
-      max(max(floors.kept - floors.noise, hold_of(floors.kept)), max(min(least_floor(), floors.kept), floors.way));
+  const double least = floors.kept >= least_floor() ? least_floor() : 0;
+  floors.end = max(max(floors.kept - floors.noise, hold_of(floors.kept)), max(least, floors.way));
   if (floors.kept == m && f >= m + floors.noise) floors.end = m;
   floors.is_tiny = f < kTiny * start.extent;
   return floors;

@@ -93,7 +93,7 @@ COLLIDED_HD void approaches_along(const Vec3<double>& n, const FeaturePoints<Rea
 /// Vertices that approach stop a little before the features come as near as they may.
 template <class Kind, class Real>
 COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloors& floors) {
-  constexpr double kKept = 0.99;
+  constexpr double kKept = 1 - 0x1p-7;
   DifferencesOf<double, Kind> d;
   if (!load_differences<Kind, double>(way, d)) return Shares::all(0);
   const double until = min(certified_way(d, floors.kept).until, 1.0);

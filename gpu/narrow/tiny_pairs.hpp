@@ -1,7 +1,7 @@
 #pragma once
 // Pairs that start so near each other that certificates in double tell little of them (floors.hpp). Such a pair may
-// move only if it comes no nearer along one fixed direction that separates it at the start: then that direction
-// separates it all along, for ways are straight.
+// move if it comes no nearer along one fixed direction that separates it at the start: then that direction separates it
+// all along, for ways are straight. Else integers decide (step/blocking_pairs.hpp).
 
 #include "gpu/base/points.hpp"
 #include "gpu/base/precision.hpp"

@@ -2,6 +2,7 @@
 // What a step that advances does with each of its pairs of features, and with each vertex (narrow/shortening.hpp).
 
 #include "gpu/base/groups.hpp"
+#include "gpu/exact/fixed/decide.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/hulls_apart.hpp"
 #include "gpu/narrow/shortening.hpp"
@@ -10,6 +11,17 @@
 #include "gpu/state/state.hpp"
 
 namespace collided {
+
+/// True if a pair may go the straight way from x to y, for certain. A tiny pair may as well come nearer, as long as
+/// integers decide that it does not touch.
+template <class Kind, class Real>
+COLLIDED_LONG COLLIDED_HD bool is_way_free(const FeaturePoints<Real>& way, const PairFloors& floors) {
+  if (keeps_floors<Kind>(way, floors)) return true;
+  if (!floors.is_tiny) return false;
+  Vec3<double> from[4], to[4];
+  for (int k = 0; k < 4; ++k) from[k] = convert<double>(way.start[k]), to[k] = convert<double>(way.end[k]);
+  return exact::fixed::decide<Kind::kKind>(from, to).outcome == exact::fixed::Outcome::kApart;
+}
 
 /// Keeps the candidates that no plane parts whatever fractions of their ways the vertices go.
 template <class Real, class Kind>
@@ -86,7 +98,7 @@ struct JudgePairs {
   COLLIDED_HD void operator()(uint64_t i) const {
     const uint64_t pair = looked_at.empty() ? i : looked_at[i];
     const Stencil s = ways.stencil(pair);
-    if (!keeps_floors<Kind>(ways.way(s), ways.floors(pair, s))) failed.push(pair);
+    if (!is_way_free<Kind>(ways.way(s), ways.floors(pair, s))) failed.push(pair);
   }
 };
 

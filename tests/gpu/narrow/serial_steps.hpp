@@ -6,9 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "gpu/narrow/hulls_apart.hpp"
-#include "gpu/narrow/shortening.hpp"
 #include "gpu/positions/blend.hpp"
+#include "gpu/step/blocking_pairs.hpp"
 #include "tests/support/families/query_families_shapes.hpp"
 
 namespace collided::test {
@@ -197,7 +196,7 @@ class SerialSteps {
     const FeaturePoints<Real> way = points_of(pair, *x_, y);
     return with_kind(pair, [&](auto kind) {
       using Kind = decltype(kind);
-      if (keeps_floors<Kind>(way, pair.floors)) return true;
+      if (is_way_free<Kind>(way, pair.floors)) return true;
       const Shares shares = shares_of_failed<Kind>(way, pair.floors, how);
       for (size_t i = 0; i < 4; ++i) {
         double& least = share[group_[pair.v[i]]];
