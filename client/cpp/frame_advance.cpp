@@ -1,4 +1,4 @@
-// How far a frame with `advance` went.
+// Reads how far a frame with `advance` went.
 
 #include "client/cpp/frame_advance.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// How far a frame with `advance` went.
+// Tells how far a frame with `advance` went.
 
 #include <cstdint>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace collided::client {
 
-/// How far the scene, each mesh or each vertex went; without `advance`, all of the way.
+/// Holds how far the scene, each mesh or each vertex went. Without `advance` all went all of their way.
 struct FrameAdvance {
   v1::AdvanceMode mode = v1::ADVANCE_MODE_ALL_OR_ONE;
   double advanced = 1;            ///< FrameDone.advanced: at ALL_OR_ONE the fraction of everything
@@ -22,8 +22,8 @@ struct FrameAdvance {
   double of_vertex(uint32_t mesh, uint32_t vertex) const { return of_body(mesh, vertex, 1); }
 };
 
-/// Appends what one message has of a frame's shortened ways. Throws Error (DATA_LOSS) if it has none, the lengths of
-/// its arrays do not match, an id does not ascend or is not below `id_count`, or a fraction is not in [0, 1).
+/// Appends one message's shortened ways. Throws Error (DATA_LOSS) if it has none, or the lengths of its arrays do not
+/// match. Throws the same for an id that does not ascend or is not below `id_count`, and a fraction outside [0, 1).
 void append(FrameAdvance& advance, const v1::ShortenedWays& ways, uint64_t id_count);
 
 }  // namespace collided::client

@@ -17,7 +17,7 @@ namespace collided::client {
 /// `time` from now: now for negative times, about 30 years for longer ones, which would overflow the clock.
 FrameTransport::Time time_after(std::chrono::duration<double> time);
 
-/// What its answer is checked against.
+/// Keeps what a frame's answer is checked against.
 struct SentFrame {
   uint64_t id;
   v1::AdvanceMode advance_mode;  ///< ALL_OR_ONE also without `advance`

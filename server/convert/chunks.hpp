@@ -58,12 +58,12 @@ struct Chunk {
 std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const OutputFields& fields, size_t max_bytes,
                                    const PerKind<std::vector<uint64_t>>* begins = nullptr);
 
-/// Some of a frame's shortened ways. Refers to the result that it was made from.
+/// A run of a frame's shortened ways. Refers to the result that it was made from.
 struct WaysChunk {
   std::span<const uint32_t> ids;
   std::span<const double> fractions;
 
-  /// In the order of their fields.
+  /// Returns both, in the order of their fields.
   std::array<ChunkArray, 2> arrays() const;
 };
 
@@ -72,7 +72,7 @@ constexpr size_t array_bytes(const ShortenedWays& ways) {
   return ways.ids.size() * (sizeof(ways.ids[0]) + sizeof(ways.fractions[0]));
 }
 
-/// In order; the arrays of a chunk have at most `max_bytes` together.
+/// Cuts the ways, in order; the arrays of a chunk have at most `max_bytes` together.
 std::vector<WaysChunk> cut_into_chunks(const ShortenedWays& ways, size_t max_bytes);
 
 /// The chunk as a message that contains its arrays.

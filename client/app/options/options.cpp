@@ -40,7 +40,7 @@ const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPE
                                            {"vss", v1::BROAD_PHASE_ENGINE_VSS},
                                            {"all-pairs", v1::BROAD_PHASE_ENGINE_ALL_PAIRS}};
 
-// What older daemons do, too, needs no value.
+// ALL_OR_ONE is sent as no value, so that older daemons take it.
 const Words<v1::AdvanceMode> kAdvanceModes{{"all-or-one", v1::ADVANCE_MODE_UNSPECIFIED},
                                            {"per-mesh", v1::ADVANCE_MODE_PER_MESH},
                                            {"per-vertex", v1::ADVANCE_MODE_PER_VERTEX}};

@@ -52,7 +52,7 @@ struct SceneOptions {
 /// Throws UsageError for options that contradict each other.
 void check_usage(const DetectionOptions& options);
 
-/// Whether a frame is to stop short of its end, and how.
+/// Sets whether a frame stops short of its end, and what does.
 void set_advance(const DetectionOptions& detection, v1::Frame& frame);
 
 /// Where a scene is to live.

@@ -18,11 +18,11 @@ client::PerKind<uint64_t> found_counts(const v1::FrameDone& done, const v1::Scen
 /// with REPORT_ANY_HIT, which counts none, "a contact" or "no contact".
 std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec);
 
-/// ", went 0.93 of its way, 12 vertices shortened" of a frame with `advance`; without the second part where all goes as
-/// one, and empty of other frames.
+/// Returns ", went 0.93 of its way, 12 vertices shortened" for a frame with `advance`, and "" for others. The second
+/// part is there if the frame advanced per mesh or per vertex.
 std::string advance_text(const client::FrameOutput& output);
 
-/// Of a frame that advances per mesh or per vertex, how many did not go all of their way; empty of others.
+/// Counts what did not go all of its way in a frame that advanced per mesh or per vertex; empty for others.
 Json shortened_json(const client::FrameOutput& output);
 
 /// Contacts and their earliest time, as far as they were counted, and how far the frame went.

@@ -1,4 +1,4 @@
-// How far a frame with `advance` went: answers that are taken or refused, positions and scenes that follow.
+// A client takes or refuses what an answer says of an advance, and moves positions and scenes as far.
 
 #include "client/cpp/frame_advance.hpp"
 
@@ -102,7 +102,7 @@ TEST(FrameAdvance, TellsHowFarAVertexAndABodyWent) {
   EXPECT_EQ(vertices.of_body(0, 32, 100), 1);
 }
 
-// Each vertex as one alone that goes its own fraction.
+// Compares with vertices that are moved one at a time.
 template <class Real>
 void expect_each_alone(const FrameAdvance& advance, uint32_t mesh, uint32_t first_vertex) {
   constexpr size_t kVertices = 50;
@@ -173,7 +173,7 @@ class ScriptedAnswer final : public FrameTransport {
   std::atomic<bool> is_sent_ = false, is_cancelled_ = false;
 };
 
-/// What a client makes of an answer, in a scene of a mesh of three vertices and one of four.
+/// Takes answers, in a scene of a mesh of three vertices and one of four.
 class FrameAnswers : public testing::Test {
  protected:
   FrameAnswers() { done.set_advanced(0.5), done.set_way(0.75); }

@@ -138,7 +138,7 @@ TEST_F(FrameEncode, NoContactIsLostAndChunksStayBelowTheBound) {
   EXPECT_EQ(toi, all(result.vertex_triangle.toi, result.edge_edge.toi));
 }
 
-// Of none to many vertices, with few contacts and with many.
+// Few vertices and many come with few contacts and many.
 TEST_F(FrameEncode, NoShortenedWayIsLostAndMessagesStayBelowTheBound) {
   constexpr size_t kMax = 10'000;
   const auto scene = scene_with(kAllFields);
