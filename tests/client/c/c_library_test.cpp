@@ -173,6 +173,8 @@ TEST_F(CLibrary, AnAdvanceTellsHowFarTheEngineWent) {
     EXPECT_LT(facts.advanced, 1);
     EXPECT_EQ(facts.advanced, expected.advanced);
     EXPECT_EQ(facts.way, expected.way);
+    EXPECT_LT(facts.way, 1);
+    EXPECT_EQ(facts.shortened_count > 0, mode > COLLIDED_ADVANCE_ALL_OR_ONE);
     ASSERT_EQ(facts.shortened_count, expected.shortened.ids.size());
     EXPECT_EQ(facts.shortened_ids == nullptr, facts.shortened_count == 0);
     for (uint64_t i = 0; i < facts.shortened_count; ++i) {
