@@ -114,11 +114,13 @@ std::string make_private_folder(double seconds_to_stop) {
   const pid_t pid = getpid();
   const pid_t tidy = fork();
   if (tidy == 0) {
-    replies.here = lives.here = Fd();
+    replies.here = Fd();
+    lives.here = Fd();
     tidy_up(replies.there.get(), pid, seconds_to_stop);
   }
   if (tidy < 0) throw std::system_error(errno, std::generic_category(), "fork");
-  replies.there = lives.there = Fd();
+  replies.there = Fd();
+  lives.there = Fd();
   std::array<char, 256> reply{};
   const ssize_t size = recv(replies.here.get(), reply.data(), reply.size(), 0);
   if (size <= 0) throw std::runtime_error("collided-tidy has ended before it made a folder for sockets");

@@ -175,6 +175,13 @@ collided_facts facts_of(const FrameResult& result) {
   facts.graph_launches = result.graph_launches;
   facts.broad_phase_engine = c::enumerator_of(result.broad_phase.engine);
   fill_counts(result.counts, facts);
+  facts.way = result.way;
+  const ShortenedWays& shortened = result.shortened;
+  facts.shortened_count = shortened.ids.size();
+  if (!shortened.ids.empty()) {
+    facts.shortened_ids = shortened.ids.data();
+    facts.shortened_fractions = shortened.fractions.data();
+  }
   return facts;
 }
 

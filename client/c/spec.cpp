@@ -10,6 +10,8 @@ constexpr Mode kModes[] = {Mode::kCcd, Mode::kDcd, Mode::kCcd, Mode::kBoth};
 constexpr Accuracy kAccuracies[] = {Accuracy::kCertified, Accuracy::kCandidates, Accuracy::kFast,
                                     Accuracy::kGuarded,   Accuracy::kCertified,  Accuracy::kExact};
 constexpr Report kReports[] = {Report::kAll, Report::kAll, Report::kEarliestOnly, Report::kAnyHit};
+constexpr AdvanceMode kAdvanceModes[] = {AdvanceMode::kAllOrOne, AdvanceMode::kAllOrOne, AdvanceMode::kPerMesh,
+                                         AdvanceMode::kPerVertex};
 constexpr Scalar kScalars[] = {Scalar::kF32, Scalar::kF32, Scalar::kF64, Scalar::kF32};
 constexpr MeshMotion kMotions[] = {MeshMotion::kDeformable, MeshMotion::kDeformable, MeshMotion::kStatic,
                                    MeshMotion::kRigid};
@@ -147,6 +149,13 @@ std::optional<T> choose_for_frame(const T (&values)[N], int32_t enumerator, cons
   return enumerator == 0 ? std::nullopt : std::optional<T>(value);
 }
 
+AdvanceMode parse_advance_mode(const collided_frame& from) {
+  const AdvanceMode mode = choose(kAdvanceModes, from.advance_mode, "advance_mode");
+  if (from.advance_mode != 0 && from.advance == 0)
+    throw InvalidInput("advance_mode", "advance_mode is " + std::to_string(from.advance_mode) + ", but advance is 0");
+  return mode;
+}
+
 std::optional<double> optional_of(const double* number) {
   return number == nullptr ? std::nullopt : std::optional<double>(*number);
 }
@@ -185,6 +194,7 @@ Spec parse_spec(const collided_scene_spec* pointer) {
 
 FrameInput parse_frame(const collided_frame* pointer) {
   const collided_frame from = read_structure(pointer, "frame");
+  check_reserved(from.reserved, "reserved");
   FrameInput frame;
   check_array(from.updates, from.update_count, "updates", "update_count");
   for (uint64_t i = 0; i < from.update_count; ++i)
@@ -195,6 +205,7 @@ FrameInput parse_frame(const collided_frame* pointer) {
   frame.report = choose_for_frame(kReports, from.report, "report");
   frame.ignore_separating = from.ignore_separating != 0;
   frame.advance = from.advance != 0;
+  frame.advance_mode = parse_advance_mode(from);
   frame.trial = from.trial != 0;
   frame.delta = optional_of(from.delta);
   frame.start_fraction = optional_of(from.start_fraction);

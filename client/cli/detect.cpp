@@ -153,7 +153,7 @@ void run(const DetectOptions& options) {
   grow_box(spec, step.start);
   grow_box(spec, step.end);
   v1::Frame frame = step_frame(step, 1, spec);
-  frame.set_advance(options.detection.advance);
+  set_advance(options.detection, frame);
   Connection connection(options.server);
   const SceneGuard scene = connection.create_scene(spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
@@ -162,6 +162,7 @@ void run(const DetectOptions& options) {
   Json summary = found_in_words(step, output, spec);
   summary["scene"] = scene_json(*scene);
   summary.update(found_json(output.done, spec));
+  summary.update(shortened_json(output));
   if (const auto contact = earliest_contact(output)) summary["earliest"] = *contact;
   summary.update(frame_json(output.done, spec.report()));
   summary.update(transport_json(stream));

@@ -92,7 +92,7 @@ FrameSource frames_of(Play& played) {
     if (*sent == motion.frames) return {};
     std::vector<scenes::Vec3d> positions = motion.positions(*sent);
     v1::Frame frame = make_frame(motion.meshes, static_cast<uint64_t>(++*sent), played.spec, positions);
-    frame.set_advance(played.options.detection.advance);
+    set_advance(played.options.detection, frame);
     if (!played.options.contacts.is_empty()) played.in_flight.push_back(positions);
     if (!played.rigid.empty()) rigid->apply_to(frame, std::move(positions));
     return frame;

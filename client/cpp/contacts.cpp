@@ -86,7 +86,7 @@ void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransp
 }
 
 SceneSize size_of(const v1::SceneSpec& spec) {
-  SceneSize size;
+  SceneSize size{.meshes = static_cast<uint64_t>(spec.meshes_size())};
   for (const v1::MeshSpec& mesh : spec.meshes()) {
     size.vertices += mesh.vertex_count();
     size.elements += uint64_t{mesh.triangle_count()} + mesh.edge_count() + mesh.point_count();

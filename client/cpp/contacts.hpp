@@ -66,9 +66,9 @@ constexpr ElementKind element_kind(const std::array<uint32_t, 4>& stencil) {
 /// that is none.
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport = nullptr);
 
-/// The numbers of vertices and elements of a scene.
+/// The numbers of vertices, elements and meshes of a scene.
 struct SceneSize {
-  uint64_t vertices = 0, elements = 0;
+  uint64_t vertices = 0, elements = 0, meshes = 0;
 };
 
 /// Returns the size of a scene of this spec; 0 if the spec has no meshes.

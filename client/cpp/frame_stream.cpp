@@ -60,6 +60,7 @@ void FrameStream::send(uint64_t frame_id, std::span<const FrameUpdate> updates, 
   head.set_report(options.report);
   head.set_ignore_separating(options.ignore_separating);
   head.set_advance(options.advance);
+  head.set_advance_mode(options.advance_mode);
   head.set_trial(options.trial);
   if (options.from_last_fraction) head.set_from_last_fraction(*options.from_last_fraction);
   if (options.edit) *head.mutable_edit() = *options.edit;

@@ -9,6 +9,7 @@
 
 #include "client/cpp/contacts.hpp"
 #include "client/cpp/error.hpp"
+#include "client/cpp/frame_advance.hpp"
 #include "client/cpp/frame_update.hpp"
 #include "client/cpp/positions.hpp"
 #include "collided/v1/collision_service.pb.h"
@@ -27,6 +28,7 @@ struct FrameOutput : PerKind<Contacts> {
   PerKind<DeviceContacts> on_device;
   uint64_t frame_id = 0;
   v1::FrameDone done;                        ///< metrics and totals
+  FrameAdvance advance;                      ///< for move_along()
   std::optional<v1::FrameError> error;       ///< the frame was refused; the stream goes on
   std::vector<v1::WorldError> world_errors;  ///< of a set: worlds that were refused by themselves, ascending
   bool skipped = false;                      ///< a later frame replaced it (LATEST_WINS)
@@ -43,6 +45,7 @@ struct FrameOptions {
   v1::Report report = v1::REPORT_UNSPECIFIED;
   bool ignore_separating = false;
   bool advance = false;
+  v1::AdvanceMode advance_mode = v1::ADVANCE_MODE_UNSPECIFIED;  ///< with `advance` alone
   bool trial = false;
   std::optional<double> from_last_fraction = {};
   std::optional<v1::SceneEdit> edit = {};  ///< of edited_mesh() and removed_mesh(), and of pairs of meshes

@@ -155,10 +155,12 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
   }
   if (response.response_case() == v1::StreamFramesResponse::RESPONSE_NOT_SET) return;  // of a later version
   const uint64_t id = response.frame_id();
-  check_is_next(id);
+  partial.advance.mode = next_answered(id).advance_mode;
   switch (response.response_case()) {
     case v1::StreamFramesResponse::kContacts:
       return add(response.contacts());
+    case v1::StreamFramesResponse::kShortened:
+      return add(response.shortened());
     case v1::StreamFramesResponse::kDone:
       finish_frame(*response.mutable_done());
       return complete(id);
@@ -182,10 +184,11 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
   }
 }
 
-void FrameStream::State::check_is_next(uint64_t frame_id) {
+SentFrame FrameStream::State::next_answered(uint64_t frame_id) {
   const std::lock_guard lock(mutex);
-  if (in_flight.empty() || in_flight.front() != frame_id)
+  if (in_flight.empty() || in_flight.front().id != frame_id)
     throw_lost("the daemon answers frame " + std::to_string(frame_id) + ", which is not the oldest in flight");
+  return in_flight.front();
 }
 
 void FrameStream::State::add(const v1::ContactChunk& chunk) {
@@ -200,11 +203,28 @@ void FrameStream::State::add(const v1::ContactChunk& chunk) {
   if (size.vertices > 0 && !has_edits) check_ids(chunk.kind(), contacts, before, size);
 }
 
+void FrameStream::State::add(const v1::ShortenedWays& ways) {
+  constexpr uint64_t kAnyId = uint64_t{1} << 32;
+  const v1::AdvanceMode mode = partial.advance.mode;
+  if (mode == v1::ADVANCE_MODE_ALL_OR_ONE)
+    throw_lost("the daemon names shortened ways of a frame that does not advance per mesh or per vertex");
+  uint64_t id_count = kAnyId;
+  {
+    const std::lock_guard lock(mutex);
+    if (size.vertices > 0 && !has_edits) id_count = mode == v1::ADVANCE_MODE_PER_MESH ? size.meshes : size.vertices;
+  }
+  append(partial.advance, ways, id_count);
+}
+
 void FrameStream::State::finish_frame(v1::FrameDone& done) {
   for (const v1::ContactChunk& chunk : done.contacts()) add(chunk);
+  if (done.has_shortened()) add(done.shortened());
   done.clear_contacts();
+  done.clear_shortened();
   check_fraction("earliest_toi", done.earliest_toi());
   check_fraction("advanced", done.advanced());
+  check_fraction("way", done.way());
+  if (done.has_advanced()) partial.advance.advanced = done.advanced();
   uint64_t came = 0;
   for_each_kind(
       [&](v1::ContactKind, const Contacts& host, const DeviceContacts& device) { came += host.count + device.count; },
@@ -256,10 +276,10 @@ void FrameStream::State::await_credit(std::unique_lock<std::mutex>& lock) {
   if (ended) throw_ended();
 }
 
-void FrameStream::State::take_credit(uint64_t frame_id) {
+void FrameStream::State::take_credit(const SentFrame& frame) {
   std::unique_lock lock(mutex);
   await_credit(lock);
-  in_flight.push_back(frame_id);
+  in_flight.push_back(frame);
 }
 
 void FrameStream::State::give_credit() {
@@ -270,7 +290,8 @@ void FrameStream::State::give_credit() {
 
 void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
   if (setup.features) setup.features->check(frame, "frame");
-  take_credit(frame.frame_id());
+  const bool has_mode = frame.advance() && frame.advance_mode() != v1::ADVANCE_MODE_UNSPECIFIED;
+  take_credit({frame.frame_id(), has_mode ? frame.advance_mode() : v1::ADVANCE_MODE_ALL_OR_ONE});
   if (frame.has_edit()) {
     const std::lock_guard lock(mutex);
     has_edits = true;

@@ -17,6 +17,12 @@ namespace collided::client {
 /// `time` from now: now for negative times, about 30 years for longer ones, which would overflow the clock.
 FrameTransport::Time time_after(std::chrono::duration<double> time);
 
+/// Keeps what a frame's answer is checked against.
+struct SentFrame {
+  uint64_t id;
+  v1::AdvanceMode advance_mode;  ///< ALL_OR_ONE also without `advance`
+};
+
 struct FrameStream::State {
   State(std::unique_ptr<FrameTransport> transport, const v1::OpenStream& open, StreamSetup setup);
   ~State();
@@ -34,13 +40,14 @@ struct FrameStream::State {
   /// Needs the mutex. `quiet_pauses`: of the keeper, in a row, in which no caller waited.
   FrameTransport::Time keeper_deadline(int quiet_pauses) const;
   void take(v1::StreamFramesResponse& response);
-  /// Throws Error (DATA_LOSS) unless it is the oldest frame in flight.
-  void check_is_next(uint64_t frame_id);
+  /// Returns the oldest frame in flight. Throws Error (DATA_LOSS) unless it has that id.
+  SentFrame next_answered(uint64_t frame_id);
   void add(const v1::ContactChunk& chunk);
+  void add(const v1::ShortenedWays& ways);
   void finish_frame(v1::FrameDone& done);
   void complete(uint64_t frame_id);
   void send(const v1::Frame& frame, std::span<const FrameUpdate> updates);
-  void take_credit(uint64_t frame_id);
+  void take_credit(const SentFrame& frame);
   /// Needs the mutex. Throws Error once the stream has ended.
   void await_credit(std::unique_lock<std::mutex>& lock);
   void give_credit();
@@ -63,9 +70,9 @@ struct FrameStream::State {
   int waiting = 0;          ///< callers that wait now
   FrameOutput partial;      ///< of the oldest frame in flight; used by the reading thread only
   std::deque<FrameOutput> ready;
-  std::deque<uint64_t> in_flight;  ///< ids, the oldest first
-  SceneSize size;                  ///< as of the opening; 0 if the daemon does not tell it
-  bool has_edits = false;          ///< the scene may have another size by now
+  std::deque<SentFrame> in_flight;  ///< the oldest first
+  SceneSize size;                   ///< as of the opening; 0 if the daemon does not tell it
+  bool has_edits = false;           ///< the scene may have another size by now
   bool ended = false;
   bool half_closed = false;
   std::optional<Error> failure;  ///< why it ended

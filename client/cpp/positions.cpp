@@ -2,6 +2,7 @@
 
 #include "client/cpp/positions.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -30,11 +31,21 @@ std::string pack_f32(Positions positions) {
   return out;
 }
 
+void check_sizes(size_t positions, size_t target) {
+  if (positions != target)
+    throw Error(kInvalidArgument,
+                "target has " + std::to_string(target) + " coordinates, positions have " + std::to_string(positions));
+}
+
+void check_whole(size_t coordinates) {
+  if (coordinates % 3 != 0)
+    throw Error(kInvalidArgument,
+                "positions have " + std::to_string(coordinates) + " coordinates, which is no multiple of 3");
+}
+
 template <class Real>
 void move(std::span<Real> positions, std::span<const Real> target, double fraction) {
-  if (positions.size() != target.size())
-    throw Error(kInvalidArgument, "target has " + std::to_string(target.size()) + " coordinates, positions have " +
-                                      std::to_string(positions.size()));
+  check_sizes(positions.size(), target.size());
   if (!(fraction >= 0 && fraction <= 1))
     throw Error(kInvalidArgument, "fraction is " + std::to_string(fraction) + "; it must be from 0 to 1");
   if (fraction == 0) return;
@@ -42,6 +53,28 @@ void move(std::span<Real> positions, std::span<const Real> target, double fracti
     const double x = positions[i], way = target[i] - x, part = fraction * way;
     positions[i] = fraction == 1 ? target[i] : static_cast<Real>(x + part);
   }
+}
+
+template <class Real>
+void move(std::span<Real> positions, std::span<const Real> target, const FrameAdvance& advance, uint32_t mesh,
+          uint32_t first_vertex) {
+  check_sizes(positions.size(), target.size());
+  check_whole(positions.size());
+  if (advance.mode != v1::ADVANCE_MODE_PER_VERTEX)
+    return move(positions, target, advance.of_vertex(mesh, first_vertex));
+  size_t next = 0;  // of the coordinates
+  const auto move_until = [&](size_t end, double fraction) {
+    move(positions.subspan(next, end - next), target.subspan(next, end - next), fraction);
+    next = end;
+  };
+  const std::vector<uint32_t>& ids = advance.ids;
+  for (auto id = std::lower_bound(ids.begin(), ids.end(), first_vertex); id != ids.end(); ++id) {
+    const size_t at = 3 * size_t{*id - first_vertex};
+    if (at >= positions.size()) break;
+    move_until(at, 1);
+    move_until(at + 3, advance.fractions[static_cast<size_t>(id - ids.begin())]);
+  }
+  move_until(positions.size(), 1);
 }
 
 /// With all its digits.
@@ -85,9 +118,7 @@ std::string bytes_of(const RigidMatrix& matrix) {
 
 template <class Real>
 void move_all(std::span<Real> positions, const RigidMatrix& m) {
-  if (positions.size() % 3 != 0)
-    throw Error(kInvalidArgument,
-                "positions have " + std::to_string(positions.size()) + " coordinates, which is no multiple of 3");
+  check_whole(positions.size());
   for (size_t i = 0; i < positions.size(); i += 3) {
     const double x = positions[i], y = positions[i + 1], z = positions[i + 2];
     for (size_t row = 0; row < 3; ++row) {
@@ -130,6 +161,15 @@ void move_along(std::span<float> positions, std::span<const float> target, doubl
 }
 void move_along(std::span<double> positions, std::span<const double> target, double fraction) {
   move(positions, target, fraction);
+}
+
+void move_along(std::span<float> positions, std::span<const float> target, const FrameAdvance& advance, uint32_t mesh,
+                uint32_t first_vertex) {
+  move(positions, target, advance, mesh, first_vertex);
+}
+void move_along(std::span<double> positions, std::span<const double> target, const FrameAdvance& advance, uint32_t mesh,
+                uint32_t first_vertex) {
+  move(positions, target, advance, mesh, first_vertex);
 }
 
 uint64_t position_bytes(v1::PositionFormat format) {

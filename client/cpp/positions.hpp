@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "client/cpp/frame_advance.hpp"
 #include "client/cpp/frame_update.hpp"
 #include "collided/v1/frame.pb.h"
 
@@ -44,5 +45,14 @@ void move_rigidly(std::span<double> positions, const RigidMatrix& matrix);
 void move_along(std::span<float> positions, std::span<const float> target, double fraction);
 /// The same in double precision.
 void move_along(std::span<double> positions, std::span<const double> target, double fraction);
+
+/// Moves the coordinates of one mesh to where a frame with `advance`, of any mode, moved them on their way to `target`.
+/// Every bit is the daemon's. `first_vertex`: of the mesh, scene-wide. Throws Error (INVALID_ARGUMENT) if there are not
+/// as many of one as of the other, or not three for each vertex.
+void move_along(std::span<float> positions, std::span<const float> target, const FrameAdvance& advance, uint32_t mesh,
+                uint32_t first_vertex);
+/// The same in double precision.
+void move_along(std::span<double> positions, std::span<const double> target, const FrameAdvance& advance, uint32_t mesh,
+                uint32_t first_vertex);
 
 }  // namespace collided::client

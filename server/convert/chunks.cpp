@@ -1,4 +1,4 @@
-// Cuts a frame's contacts into chunks that fit a message.
+// Cuts a frame's contacts, and its shortened ways, into chunks that fit a message.
 #include "server/convert/chunks.hpp"
 
 #include <algorithm>
@@ -104,6 +104,28 @@ std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const Ou
   };
   for_each_kind(cut, contacts);
   return chunks;
+}
+
+std::array<ChunkArray, 2> WaysChunk::arrays() const {
+  return {{{pb::ShortenedWays::kIdsFieldNumber, std::as_bytes(ids)},
+           {pb::ShortenedWays::kFractionsFieldNumber, std::as_bytes(fractions)}}};
+}
+
+std::vector<WaysChunk> cut_into_chunks(const ShortenedWays& ways, size_t max_bytes) {
+  std::vector<WaysChunk> chunks;
+  const std::span<const uint32_t> ids = ways.ids;
+  const std::span<const double> fractions = ways.fractions;
+  const size_t step = std::max<size_t>(1, max_bytes / (sizeof(ids[0]) + sizeof(fractions[0])));
+  for (size_t begin = 0; begin < ids.size(); begin += step) {
+    const size_t count = std::min(step, ids.size() - begin);
+    chunks.push_back({ids.subspan(begin, count), fractions.subspan(begin, count)});
+  }
+  return chunks;
+}
+
+void fill_ways(const WaysChunk& chunk, pb::ShortenedWays* out) {
+  out->set_ids(chunk.ids.data(), chunk.ids.size_bytes());
+  out->set_fractions(chunk.fractions.data(), chunk.fractions.size_bytes());
 }
 
 void fill_chunk(const Chunk& chunk, const Topology& topology, pb::ContactChunk* out) {

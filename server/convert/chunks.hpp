@@ -1,12 +1,14 @@
 #pragma once
-// Cuts a frame's contacts into chunks that fit a message.
+// Cuts a frame's contacts, and its shortened ways, into chunks that fit a message.
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <span>
 #include <vector>
 
 #include "collided/v1/contact.pb.h"
+#include "collided/v1/frame.pb.h"
 #include "gpu/detector.hpp"
 #include "gpu/stencil.hpp"
 #include "server/convert/kinds.hpp"
@@ -14,7 +16,7 @@
 
 namespace collided::server {
 
-/// One array of a chunk: its field number in ContactChunk, and its bytes.
+/// One array of a chunk: its field number in ContactChunk or ShortenedWays, and its bytes.
 struct ChunkArray {
   int field = 0;
   std::span<const std::byte> bytes;
@@ -55,6 +57,26 @@ struct Chunk {
 /// together. Fields that were not computed are left out. `begins`: of each world's contacts, where fields.worlds.
 std::vector<Chunk> cut_into_chunks(const PerKind<ContactSet>& contacts, const OutputFields& fields, size_t max_bytes,
                                    const PerKind<std::vector<uint64_t>>* begins = nullptr);
+
+/// A run of a frame's shortened ways. Refers to the result that it was made from.
+struct WaysChunk {
+  std::span<const uint32_t> ids;
+  std::span<const double> fractions;
+
+  /// Returns both, in the order of their fields.
+  std::array<ChunkArray, 2> arrays() const;
+};
+
+/// Bytes of both arrays.
+constexpr size_t array_bytes(const ShortenedWays& ways) {
+  return ways.ids.size() * (sizeof(ways.ids[0]) + sizeof(ways.fractions[0]));
+}
+
+/// Cuts the ways, in order; the arrays of a chunk have at most `max_bytes` together.
+std::vector<WaysChunk> cut_into_chunks(const ShortenedWays& ways, size_t max_bytes);
+
+/// The chunk as a message that contains its arrays.
+void fill_ways(const WaysChunk& chunk, pb::ShortenedWays* out);
 
 /// How many of the last pieces, of these sizes, fit into one message of at most `max_bytes`.
 size_t fit_at_end(std::span<const size_t> sizes, size_t max_bytes);

@@ -35,6 +35,14 @@ MeshPositions parse_update(const pb::MeshUpdate& update, const PlacedPositions& 
   return positions;
 }
 
+AdvanceMode advance_mode_of(const pb::Frame& frame) {
+  constexpr auto kField = "frame.advance_mode";
+  const AdvanceMode mode = parse_advance_mode(frame.advance_mode(), kField);
+  if (frame.advance_mode() != pb::ADVANCE_MODE_UNSPECIFIED && !frame.advance())
+    throw_invalid(kField, fmt::format("is {}, but frame.advance is false", pb::AdvanceMode_Name(frame.advance_mode())));
+  return mode;
+}
+
 void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
   out->set_cells(counts.cells);
   out->set_leaves(counts.leaves);
@@ -57,6 +65,7 @@ FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> 
   input.report = parse_report(frame.report(), "frame.report");
   input.ignore_separating = frame.ignore_separating();
   input.advance = frame.advance();
+  input.advance_mode = advance_mode_of(frame);
   input.trial = frame.trial();
   if (frame.has_from_last_fraction()) input.start_fraction = frame.from_last_fraction();
   check_frame_options(scene, input);
@@ -112,7 +121,9 @@ void fill_result(const FrameResult& result, pb::FrameDone* out) {
   out->set_contact_count(count_contacts(result));
   out->set_earliest_toi(result.earliest_toi);
   out->set_any_contact(result.any_contact);
-  if (result.advanced) out->set_advanced(*result.advanced);
+  if (!result.advanced) return;
+  out->set_advanced(*result.advanced);
+  out->set_way(result.way);
 }
 
 }  // namespace collided::server

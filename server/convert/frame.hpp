@@ -19,7 +19,7 @@ struct PlacedPositions {
 /// in `frame` itself; the result refers to both. Throws InvalidInput for what the scene cannot have.
 FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> placed, const SceneSpec& scene);
 
-/// Totals, stages and counts of a frame; not what it cost outside the engine.
+/// Totals, stages and counts of a frame; not its arrays, nor what it cost outside the engine.
 void fill_result(const FrameResult& result, pb::FrameDone* out);
 
 }  // namespace collided::server

@@ -26,6 +26,11 @@ constexpr std::pair<pb::Report, Report> kReports[] = {{pb::REPORT_ALL, Report::k
                                                       {pb::REPORT_EARLIEST_ONLY, Report::kEarliestOnly},
                                                       {pb::REPORT_ANY_HIT, Report::kAnyHit}};
 
+constexpr std::pair<pb::AdvanceMode, AdvanceMode> kAdvanceModes[] = {
+    {pb::ADVANCE_MODE_ALL_OR_ONE, AdvanceMode::kAllOrOne},
+    {pb::ADVANCE_MODE_PER_MESH, AdvanceMode::kPerMesh},
+    {pb::ADVANCE_MODE_PER_VERTEX, AdvanceMode::kPerVertex}};
+
 constexpr std::pair<pb::DetectionMode, Mode> kModes[] = {{pb::DETECTION_MODE_DCD, Mode::kDcd},
                                                          {pb::DETECTION_MODE_CCD, Mode::kCcd},
                                                          {pb::DETECTION_MODE_DCD_AND_CCD, Mode::kBoth}};
@@ -156,6 +161,10 @@ void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& fiel
 
 std::optional<Report> parse_report(pb::Report report, const std::string& field) {
   return to_engine(kReports, report, field);
+}
+
+AdvanceMode parse_advance_mode(pb::AdvanceMode mode, const std::string& field) {
+  return to_engine(kAdvanceModes, mode, field).value_or(AdvanceMode::kAllOrOne);
 }
 
 Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "collided/v1/frame.pb.h"
 #include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
 #include "gpu/detector.hpp"
@@ -25,6 +26,9 @@ std::optional<Report> parse_report(pb::Report report, const std::string& field);
 
 /// Throws LimitExceeded, naming `field`, for an accuracy above the highest that a client may ask for.
 void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& field);
+
+/// kAllOrOne for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
+AdvanceMode parse_advance_mode(pb::AdvanceMode mode, const std::string& field);
 
 /// kAuto for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
 Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field);

@@ -11,6 +11,7 @@ void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_
   OutputFields fields = scene.plan()->fields;
   fields.worlds = frame.tells_worlds;
   const auto chunks = cut_into_chunks(frame.result, fields, max_chunk_bytes, &frame.result.worlds.begin);
+  frame.cost.bytes_out += array_bytes(frame.result.shortened);
   for (const Chunk& chunk : chunks) frame.cost.bytes_out += chunk.array_bytes();
   for_each_kind(
       [&](ContactKind, const PlacedContacts& placed) {

@@ -23,7 +23,7 @@ constexpr size_t kMaxChunkBytes = pb::kMaxAnswerBytes / 2;
 void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes,
                      const std::function<void(std::span<const Chunk>)>& encode);
 
-/// The end of the answer, without contacts. The frame's cost must be complete.
+/// The end of the answer, without contacts and shortened ways. The frame's cost must be complete.
 pb::FrameDone done_message(const AnsweredFrame& frame);
 
 }  // namespace collided::server

@@ -145,7 +145,8 @@ Metrics::Families::Families()
     : frames(counter(registry, "collided_frames_total", "Frames that were answered")),
       contacts(counter(registry, "collided_contacts_total", "Contacts that were reported")),
       bytes_in(counter(registry, "collided_received_bytes_total", "Bytes of positions and indices in frames")),
-      bytes_out(counter(registry, "collided_sent_bytes_total", "Bytes of contact arrays in answers")),
+      bytes_out(
+          counter(registry, "collided_sent_bytes_total", "Bytes of arrays in answers: contacts and shortened ways")),
       skipped(counter(registry, "collided_skipped_frames_total", "Frames skipped by LATEST_WINS")),
       not_shown(counter(registry, "collided_watch_skipped_frames_total",
                         "Frames that were not sent to a watcher, once for each watcher")),

@@ -18,7 +18,7 @@ struct FrameTotals {
   double seconds = 0;  ///< from its arrival to its last answer
   uint64_t contacts = 0;
   uint64_t bytes_in = 0;   ///< of its positions and indices
-  uint64_t bytes_out = 0;  ///< of its contact arrays
+  uint64_t bytes_out = 0;  ///< of its answer's arrays
   uint64_t replays = 0;    ///< runs repeated because a buffer was too small
 };
 

@@ -141,7 +141,7 @@ class Changes(unittest.TestCase):
     def test_what_requests_gain_and_names_its_release_is_found(self):
         self.add('"0.2.0"')
         self.assertEqual(self.unnamed(), [])
-        self.assertEqual(compatibility.additions(compatibility.compile_protocol(self.folder)),
+        self.assertEqual(compatibility.additions(compatibility.compile_protocol(self.folder)), compatibility.additions(self.before) |
                          dict.fromkeys(["collided.v1.CollisionService.Ping", "collided.v1.MeshEdit.mirrored", "collided.v1.REPORT_LAST"], "0.2.0"))
 
 

@@ -40,6 +40,11 @@ const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPE
                                            {"vss", v1::BROAD_PHASE_ENGINE_VSS},
                                            {"all-pairs", v1::BROAD_PHASE_ENGINE_ALL_PAIRS}};
 
+// ALL_OR_ONE is sent as no value, so that older daemons take it.
+const Words<v1::AdvanceMode> kAdvanceModes{{"all-or-one", v1::ADVANCE_MODE_UNSPECIFIED},
+                                           {"per-mesh", v1::ADVANCE_MODE_PER_MESH},
+                                           {"per-vertex", v1::ADVANCE_MODE_PER_VERTEX}};
+
 const Words<v1::Reuse> kReuses{{"auto", v1::REUSE_UNSPECIFIED}, {"on", v1::REUSE_ON}, {"off", v1::REUSE_OFF}};
 const Words<v1::ListUse> kListUses{
     {"none", v1::LIST_USE_NONE}, {"made", v1::LIST_USE_MADE}, {"reused", v1::LIST_USE_REUSED}};
@@ -163,7 +168,11 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
 }
 
 void add_advance_options(CLI::App& command, DetectionOptions& options) {
-  auto* advance = command.add_flag("--advance", options.advance, "Go only as far as is certified free of contact");
+  auto* advance = command.add_flag("--advance", options.advance, "Go only as far as is certified");
+  command.add_option("--advance-mode", options.advance_mode, "What goes its own fraction of the way with --advance")
+      ->needs(advance)
+      ->check(one_of(kAdvanceModes))
+      ->capture_default_str();
   command.add_option("--min-separation", options.min_separation, "Distance that --advance keeps between features")
       ->needs(advance)
       ->check(finite())
@@ -212,6 +221,11 @@ void check_usage(const DetectionOptions& options) {
     throw UsageError("--advance needs --mode ccd, --accuracy certified or exact, and the kinds vt and ee");
   if (dcd && by_distance && accuracy == v1::ACCURACY_FAST && options.thickness == 0)
     throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
+}
+
+void set_advance(const DetectionOptions& detection, v1::Frame& frame) {
+  frame.set_advance(detection.advance);
+  frame.set_advance_mode(value_of(kAdvanceModes, detection.advance_mode));
 }
 
 void set_place(const ServerOptions& server, v1::SceneSpec& spec) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collided/v1/frame.pb.h"
 #include "collided/v1/metrics.pb.h"
 #include "collided/v1/scene.pb.h"
 
@@ -32,6 +33,7 @@ struct DetectionOptions {
   std::string engine = "auto";
   std::string reuse = "auto";
   bool advance = false;
+  std::string advance_mode = "all-or-one";
   double min_separation = 0;  ///< that `advance` keeps
 };
 
@@ -49,6 +51,9 @@ struct SceneOptions {
 
 /// Throws UsageError for options that contradict each other.
 void check_usage(const DetectionOptions& options);
+
+/// Sets whether a frame stops short of its end, and what does.
+void set_advance(const DetectionOptions& detection, v1::Frame& frame);
 
 /// Where a scene is to live.
 void set_place(const ServerOptions& server, v1::SceneSpec& spec);

@@ -14,6 +14,8 @@ bool has_candidates(const v1::FrameDone& done, const v1::SceneSpec& spec) {
   return done.contact_count() > 0 ? !done.any_contact() : spec.accuracy() == v1::ACCURACY_CANDIDATES;
 }
 
+bool has_shortened(const client::FrameOutput& output) { return output.advance.mode != v1::ADVANCE_MODE_ALL_OR_ONE; }
+
 }  // namespace
 
 bool has_times(const v1::FrameDone& done, const v1::SceneSpec& spec) {
@@ -45,7 +47,21 @@ Json found_json(const v1::FrameDone& done, const v1::SceneSpec& spec) {
               {"any_contact", done.any_contact()}};
   if (has_times(done, spec)) out["earliest_toi"] = done.earliest_toi();
   if (done.has_advanced()) out["advanced"] = done.advanced();
+  if (done.has_way()) out["way"] = done.way();
   return out;
+}
+
+std::string advance_text(const client::FrameOutput& output) {
+  if (!output.done.has_way()) return "";
+  const std::string way = ", went " + format_double("%.6g", output.done.way()) + " of its way";
+  if (!has_shortened(output)) return way;
+  const bool is_meshes = output.advance.mode == v1::ADVANCE_MODE_PER_MESH;
+  return way + ", " + std::to_string(output.advance.ids.size()) + (is_meshes ? " meshes" : " vertices") + " shortened";
+}
+
+Json shortened_json(const client::FrameOutput& output) {
+  if (!has_shortened(output)) return Json::object();
+  return {{"shortened_count", output.advance.ids.size()}};
 }
 
 Json frame_result_json(const v1::FrameDone& done, const v1::SceneSpec& spec) {

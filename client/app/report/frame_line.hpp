@@ -18,7 +18,14 @@ client::PerKind<uint64_t> found_counts(const v1::FrameDone& done, const v1::Scen
 /// with REPORT_ANY_HIT, which counts none, "a contact" or "no contact".
 std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec);
 
-/// Contacts and their earliest time, as far as they were counted.
+/// Returns ", went 0.93 of its way, 12 vertices shortened" for a frame with `advance`, and "" for others. The second
+/// part is there if the frame advanced per mesh or per vertex.
+std::string advance_text(const client::FrameOutput& output);
+
+/// Counts what did not go all of its way in a frame that advanced per mesh or per vertex; empty for others.
+Json shortened_json(const client::FrameOutput& output);
+
+/// Contacts and their earliest time, as far as they were counted, and how far the frame went.
 Json found_json(const v1::FrameDone& done, const v1::SceneSpec& spec);
 
 /// The same, and what frame_json tells.

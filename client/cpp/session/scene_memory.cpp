@@ -18,16 +18,21 @@ namespace {
 }
 
 template <class Real>
-std::span<Real> reals(Bytes& bytes) {
+std::span<Real> reals(std::span<std::byte> bytes) {
   return {reinterpret_cast<Real*>(bytes.data()), bytes.size() / sizeof(Real)};
 }
+template <class Real>
+std::span<const Real> reals(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const Real*>(bytes.data()), bytes.size() / sizeof(Real)};
+}
 
-/// Moves positions in `format` the fraction of the way to `target`.
-void move_bytes(Bytes& from, Bytes& target, double fraction, v1::PositionFormat format) {
+/// Moves positions in `format` as far to `target` as the frame did. Their first vertex is `vertex`, scene-wide.
+void move_bytes(std::span<std::byte> from, std::span<const std::byte> target, const FrameAdvance& advance,
+                uint32_t mesh, uint32_t vertex, v1::PositionFormat format) {
   if (format == v1::POSITION_FORMAT_F64)
-    move_along(reals<double>(from), reals<double>(target), fraction);
+    move_along(reals<double>(from), reals<double>(target), advance, mesh, vertex);
   else
-    move_along(reals<float>(from), reals<float>(target), fraction);
+    move_along(reals<float>(from), reals<float>(target), advance, mesh, vertex);
 }
 
 constexpr RigidMatrix kAtRest{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -61,7 +66,6 @@ Bytes gather(const Bytes& all, const std::vector<size_t>& places, size_t stride)
 }
 
 void scatter(const Bytes& some, const std::vector<size_t>& places, size_t stride, Bytes& all) {
-  if (some.size() != places.size() * stride) throw_impossible("with another number of positions than of indices");
   for (size_t i = 0; i < places.size(); ++i) std::memcpy(&all[places[i]], &some[i * stride], stride);
 }
 
@@ -69,12 +73,16 @@ void scatter(const Bytes& some, const std::vector<size_t>& places, size_t stride
 
 SceneMemory::SceneMemory(const v1::SceneSpec& spec, std::span<const MeshInput> meshes)
     : mode_(spec.mode()), format_(spec.position_format()) {
-  for (const MeshInput& mesh : meshes) meshes_.push_back({&mesh, {}, {}});
+  uint32_t first_vertex = 0;
+  for (const MeshInput& mesh : meshes) {
+    meshes_.push_back({&mesh, first_vertex, {}, {}});
+    first_vertex += mesh.vertex_count;
+  }
 }
 
 size_t SceneMemory::stride() const { return position_bytes(format_); }
 
-void SceneMemory::apply(OwnedFrame&& frame, const v1::FrameDone& done) {
+void SceneMemory::apply(OwnedFrame&& frame, const FrameOutput& answer) {
   if (frame.options.trial) return;
   const bool is_first = !first_;
   if (is_first) first_ = frame;
@@ -82,32 +90,46 @@ void SceneMemory::apply(OwnedFrame&& frame, const v1::FrameDone& done) {
     if (update.mesh >= meshes_.size()) throw_impossible("of a mesh that the scene has not");
     Mesh& mesh = meshes_[update.mesh];
     if (mesh.input->is_rigid)
-      move_body(mesh, update, done, is_first);
+      move_body(mesh, update, answer, is_first);
     else if (!mesh.input->is_static)
-      move_vertices(mesh, update, done);
+      move_vertices(mesh, update, answer);
   }
 }
 
-void SceneMemory::move_body(Mesh& mesh, const OwnedUpdate& update, const v1::FrameDone& done, bool is_first) const {
+void SceneMemory::move_body(Mesh& mesh, const OwnedUpdate& update, const FrameOutput& answer, bool is_first) const {
   if (!update.transform) return;
   const RigidMatrix here = is_first ? *update.transform : mesh.pose.value_or(kAtRest);
-  mesh.pose = done.has_advanced() ? moved(update.start_transform.value_or(here), *update.transform, done.advanced())
-                                  : *update.transform;
+  const double fraction = answer.advance.of_body(update.mesh, mesh.first_vertex, mesh.input->vertex_count);
+  mesh.pose = answer.done.has_advanced() ? moved(update.start_transform.value_or(here), *update.transform, fraction)
+                                         : *update.transform;
 }
 
-void SceneMemory::move_vertices(Mesh& mesh, OwnedUpdate& update, const v1::FrameDone& done) const {
+void SceneMemory::move_vertices(Mesh& mesh, OwnedUpdate& update, const FrameOutput& answer) const {
   const bool is_sparse = !update.indices.empty();
   const std::vector<size_t> places = places_of(update.indices, stride(), mesh.positions.size());
-  if (done.has_advanced()) {
+  if (is_sparse && update.positions.size() != places.size() * stride())
+    throw_impossible("with another number of positions than of indices");
+  if (answer.done.has_advanced()) {
     Bytes way = std::move(update.start_positions);
     if (way.empty()) way = is_sparse ? gather(mesh.positions, places, stride()) : mesh.positions;
     // In its first frame a mesh without start positions stands still.
-    if (!way.empty()) move_bytes(way, update.positions, done.advanced(), format_), update.positions = std::move(way);
+    if (!way.empty()) go(mesh, update, places, answer.advance, way), update.positions = std::move(way);
   }
   if (is_sparse) return scatter(update.positions, places, stride(), mesh.positions);
   if (update.positions.size() != mesh.input->vertex_count * stride())
     throw_impossible("with another number of positions than its mesh has vertices");
   mesh.positions = std::move(update.positions);
+}
+
+void SceneMemory::go(const Mesh& mesh, const OwnedUpdate& update, const std::vector<size_t>& places,
+                     const FrameAdvance& advance, Bytes& way) const {
+  if (way.size() != update.positions.size()) throw_impossible("with another number of positions at its start");
+  const auto move = [&](size_t at, size_t bytes, size_t vertex) {
+    move_bytes(std::span(way).subspan(at, bytes), std::span(update.positions).subspan(at, bytes), advance, update.mesh,
+               mesh.first_vertex + static_cast<uint32_t>(vertex), format_);
+  };
+  if (update.indices.empty()) return move(0, way.size(), 0);
+  for (size_t i = 0; i < places.size(); ++i) move(i * stride(), stride(), places[i] / stride());
 }
 
 std::vector<FrameUpdate> SceneMemory::updates(bool is_new) const {

@@ -12,9 +12,9 @@ class SceneMemory {
  public:
   SceneMemory(const v1::SceneSpec& spec, std::span<const MeshInput> meshes);
 
-  /// A frame that the daemon has applied; it takes the frame's memory. Throws Error (DATA_LOSS) if the daemon cannot
-  /// have applied it.
-  void apply(OwnedFrame&& frame, const v1::FrameDone& done);
+  /// A frame that the daemon has applied, and its answer; it takes the frame's memory. Throws Error (DATA_LOSS) if the
+  /// daemon cannot have applied it.
+  void apply(OwnedFrame&& frame, const FrameOutput& answer);
   /// The scene's first frame, which fixes static and rigid meshes and what is at rest; null until it has been applied.
   const OwnedFrame* first() const { return first_ ? &*first_ : nullptr; }
   /// Every mesh that can move, where it is, for a scene that has had the first frame, and other ones unless it
@@ -26,12 +26,17 @@ class SceneMemory {
  private:
   struct Mesh {
     const MeshInput* input;
+    uint32_t first_vertex;            ///< scene-wide
     Bytes positions;                  ///< of a deformable one
     std::optional<RigidMatrix> pose;  ///< of a rigid one, once a frame had one
   };
 
-  void move_body(Mesh& mesh, const OwnedUpdate& update, const v1::FrameDone& done, bool is_first) const;
-  void move_vertices(Mesh& mesh, OwnedUpdate& update, const v1::FrameDone& done) const;
+  void move_body(Mesh& mesh, const OwnedUpdate& update, const FrameOutput& answer, bool is_first) const;
+  void move_vertices(Mesh& mesh, OwnedUpdate& update, const FrameOutput& answer) const;
+  /// Moves `way`, the positions at the start of an update, as far to its end as the frame did. `places`: of a sparse
+  /// one.
+  void go(const Mesh& mesh, const OwnedUpdate& update, const std::vector<size_t>& places, const FrameAdvance& advance,
+          Bytes& way) const;
   /// How many bytes a vertex takes.
   size_t stride() const;
 

@@ -137,7 +137,7 @@ void Session::State::receive_one(Lock& lock) {
     throw Error(grpc::DATA_LOSS, "the daemon answered frame " + std::to_string(output.frame_id) + " out of order");
   FrameInFlight& frame = frames.front();
   changed.wait(lock, [&] { return sending != frame.wire_id; });  // its memory is still read
-  if (!output.error && !output.skipped) memory.apply(std::move(frame.frame), output.done);
+  if (!output.error && !output.skipped) memory.apply(std::move(frame.frame), output);
   output.frame_id = frame.number;
   trouble.reset();
   std::list<FrameInFlight> answered;

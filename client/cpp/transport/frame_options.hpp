@@ -14,6 +14,7 @@ inline void copy_options(const v1::Frame& from, v1::Frame& to) {
   to.set_report(from.report());
   to.set_ignore_separating(from.ignore_separating());
   to.set_advance(from.advance());
+  to.set_advance_mode(from.advance_mode());
   to.set_trial(from.trial());
   if (from.has_from_last_fraction()) to.set_from_last_fraction(from.from_last_fraction());
   if (from.has_edit()) *to.mutable_edit() = from.edit();

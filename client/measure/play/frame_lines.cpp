@@ -16,12 +16,14 @@ void FrameLines::add(const client::FrameOutput& output) {
   const std::string file = index < options_.files.size() ? options_.files[index] : "";
   if (!options_.json) {
     print_line("frame " + std::to_string(shown_) + " of " + std::to_string(options_.frames) +
-               (file.empty() ? "" : ", " + file) + ": " + frame_text(output.done, options_.spec));
+               (file.empty() ? "" : ", " + file) + ": " + frame_text(output.done, options_.spec) +
+               advance_text(output));
     return;
   }
   Json frame = {{"frame", output.frame_id}};
   if (!file.empty()) frame["file"] = file;
   frame.update(frame_result_json(output.done, options_.spec));
+  frame.update(shortened_json(output));
   if (options_.spec.report() != v1::REPORT_ANY_HIT) frame["contacts_digest"] = digest_of(output);
   frames_.push_back(std::move(frame));
 }

@@ -17,7 +17,7 @@ namespace {
 
 using Call = UnaryCall<pb::DetectFrameRequest, pb::DetectFrameResponse>;
 
-constexpr size_t kMaxContactBytes = pb::kMaxAnswerBytes - (size_t{64} << 10);  // leaves room for framing and metrics
+constexpr size_t kMaxArrayBytes = pb::kMaxAnswerBytes - (size_t{64} << 10);  // leaves room for framing and metrics
 
 void check_no_stream(const Scene& scene) {
   if (scene.record().stream())
@@ -26,10 +26,11 @@ void check_no_stream(const Scene& scene) {
 }
 
 void check_size(const AnsweredFrame& frame) {
-  if (frame.cost.bytes_out <= kMaxContactBytes) return;
-  throw LimitExceeded("frame", fmt::format("frame {} was applied, but its contacts take {} bytes, and one answer holds "
-                                           "at most {}; use StreamFrames, which sends them in chunks",
-                                           frame.frame_id, frame.cost.bytes_out, kMaxContactBytes));
+  if (frame.cost.bytes_out <= kMaxArrayBytes) return;
+  throw LimitExceeded("frame",
+                      fmt::format("frame {} was applied, but its contacts and shortened ways take {} bytes, "
+                                  "and one answer holds at most {}; use StreamFrames, which sends them in chunks",
+                                  frame.frame_id, frame.cost.bytes_out, kMaxArrayBytes));
 }
 
 void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameResponse& response) {
@@ -38,6 +39,8 @@ void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameRespon
     for (const Chunk& chunk : chunks) fill_chunk(chunk, scene.engine().topology(), response.add_contacts());
   });
   *response.mutable_done() = done_message(frame);
+  if (const ShortenedWays& ways = frame.result.shortened; !ways.ids.empty())
+    fill_ways({ways.ids, ways.fractions}, response.mutable_done()->mutable_shortened());
 }
 
 // On the scene's worker thread. A refusal is counted and logged with the call, but that of a frame that was given up.

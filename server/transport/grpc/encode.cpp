@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstring>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -80,29 +81,49 @@ class SliceWriter {
   std::vector<grpc::Slice> slices_;
 };
 
-// A ContactChunk ready to be written.
-struct ChunkPiece {
-  std::string facts;
-  std::vector<ChunkArray> arrays;
-  std::shared_ptr<const MadeArrays> made;
+// A ContactChunk, or ShortenedWays, ready to be written.
+struct Piece {
+  int field = 0;          ///< of StreamFramesResponse
+  int field_of_done = 0;  ///< of FrameDone
+  std::string facts = {};
+  std::vector<ChunkArray> arrays = {};
+  std::shared_ptr<const MadeArrays> made = {};
   size_t stored = 0;  ///< of the arrays; the others are made
   size_t size = 0;    ///< of the message
+
+  size_t array_bytes() const {
+    return std::accumulate(arrays.begin(), arrays.end(), size_t{0},
+                           [](size_t sum, const ChunkArray& array) { return sum + array.bytes.size(); });
+  }
 };
 
-ChunkPiece make_piece(const Chunk& chunk, const Topology& topology) {
-  ChunkPiece piece;
+void complete_size(Piece& piece) {
+  piece.size = piece.facts.size();
+  for (const auto& array : piece.arrays) piece.size += length_of(array.field, array.bytes.size());
+}
+
+Piece make_piece(const WaysChunk& ways) {
+  Piece piece{pb::StreamFramesResponse::kShortenedFieldNumber, pb::FrameDone::kShortenedFieldNumber};
+  const auto arrays = ways.arrays();
+  piece.arrays.assign(arrays.begin(), arrays.end());
+  piece.stored = piece.arrays.size();
+  complete_size(piece);
+  return piece;
+}
+
+Piece make_piece(const Chunk& chunk, const Topology& topology) {
+  Piece piece{pb::StreamFramesResponse::kContactsFieldNumber, pb::FrameDone::kContactsFieldNumber};
   piece.made = std::make_shared<const MadeArrays>(chunk.make_arrays(topology));
   piece.arrays = chunk.arrays();
   piece.stored = piece.arrays.size();
   for (const ChunkArray& array : piece.made->arrays()) piece.arrays.push_back(array);
   put_number(piece.facts, pb::ContactChunk::kKindFieldNumber, static_cast<uint64_t>(to_message(chunk.kind)));
   put_number(piece.facts, pb::ContactChunk::kCountFieldNumber, chunk.count());
-  piece.size = piece.facts.size();
-  for (const auto& array : piece.arrays) piece.size += length_of(array.field, array.bytes.size());
+  complete_size(piece);
   return piece;
 }
 
-void put_piece(SliceWriter& out, int field, const ChunkPiece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
+void put_piece(SliceWriter& out, int field, const Piece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
   put_length(out.head(), field, piece.size);
   out.head() += piece.facts;
   for (size_t i = 0; i < piece.arrays.size(); ++i) {
@@ -112,23 +133,23 @@ void put_piece(SliceWriter& out, int field, const ChunkPiece& piece, const std::
   }
 }
 
-EncodedMessage encode_piece(const ChunkPiece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
+EncodedMessage encode_piece(const Piece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
   SliceWriter out;
   put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
-  put_piece(out, pb::StreamFramesResponse::kContactsFieldNumber, piece, frame);
+  put_piece(out, piece.field, piece, frame);
   return out.finish();
 }
 
-EncodedMessage encode_done(std::span<const ChunkPiece> pieces, const std::shared_ptr<AnsweredFrame>& frame) {
+EncodedMessage encode_done(std::span<const Piece> pieces, const std::shared_ptr<AnsweredFrame>& frame) {
   const pb::FrameDone done = done_message(*frame);
   size_t size = done.ByteSizeLong();
-  for (const auto& piece : pieces) size += length_of(pb::FrameDone::kContactsFieldNumber, piece.size);
+  for (const auto& piece : pieces) size += length_of(piece.field_of_done, piece.size);
 
   SliceWriter out;
   put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
   put_length(out.head(), pb::StreamFramesResponse::kDoneFieldNumber, size);
   done.AppendToString(&out.head());
-  for (const auto& piece : pieces) put_piece(out, pb::FrameDone::kContactsFieldNumber, piece, frame);
+  for (const auto& piece : pieces) put_piece(out, piece.field_of_done, piece, frame);
   EncodedMessage message = out.finish();
   message.ends_frame = true;
   return message;
@@ -149,13 +170,13 @@ std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_
   std::vector<EncodedMessage> messages;
   for (const pb::StreamFramesResponse& errors : world_error_messages(*frame)) messages.push_back(encode(errors));
   size_t alone = 0;  // of the pieces
-  std::vector<ChunkPiece> pieces;
+  std::vector<Piece> pieces;
   encode_contacts(scene, *frame, max_chunk_bytes, [&](std::span<const Chunk> chunks) {
+    for (const WaysChunk& ways : cut_into_chunks(frame->result.shortened, max_chunk_bytes))
+      pieces.push_back(make_piece(ways));
+    for (const Chunk& chunk : chunks) pieces.push_back(make_piece(chunk, scene.engine().topology()));
     std::vector<size_t> sizes;
-    for (const Chunk& chunk : chunks) {
-      pieces.push_back(make_piece(chunk, scene.engine().topology()));
-      sizes.push_back(chunk.array_bytes());
-    }
+    for (const Piece& piece : pieces) sizes.push_back(piece.array_bytes());
     alone = pieces.size() - fit_at_end(sizes, max_chunk_bytes);
     for (size_t i = 0; i < alone; ++i) messages.push_back(encode_piece(pieces[i], frame));
   });

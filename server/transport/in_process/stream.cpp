@@ -212,6 +212,8 @@ void InProcessStream::answered(const Scene& scene, const std::shared_ptr<Answere
     for (const Chunk& chunk : chunks) share(chunk, scene.engine().topology(), *memory, &named.emplace_back());
   });
   done = done_message(*frame);
+  if (const ShortenedWays& ways = frame->result.shortened; !ways.ids.empty())
+    fill_ways({ways.ids, ways.fractions}, done.mutable_shortened());
   for (pb::ContactChunk& chunk : named) *done.add_contacts() = std::move(chunk);
   push(std::move(answer), frame->frame_id);
 }

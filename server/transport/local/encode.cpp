@@ -67,6 +67,19 @@ void put_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, s
   }
 }
 
+std::vector<pb::ShortenedWays> make_ways(const ShortenedWays& shortened) {
+  std::vector<pb::ShortenedWays> ways;
+  for (const WaysChunk& chunk : cut_into_chunks(shortened, kInlineBytes)) fill_ways(chunk, &ways.emplace_back());
+  return ways;
+}
+
+std::string ways_packet(uint64_t frame_id, pb::ShortenedWays piece) {
+  pb::StreamFramesResponse response;
+  response.set_frame_id(frame_id);
+  *response.mutable_shortened() = std::move(piece);
+  return to_packet(std::move(response));
+}
+
 std::string contacts_packet(uint64_t frame_id, pb::ContactChunk piece) {
   pb::StreamFramesResponse response;
   response.set_frame_id(frame_id);
@@ -74,10 +87,13 @@ std::string contacts_packet(uint64_t frame_id, pb::ContactChunk piece) {
   return to_packet(std::move(response));
 }
 
-std::string done_packet(const AnsweredFrame& frame, std::span<pb::ContactChunk> pieces) {
+// `ways`: the last piece, if any; a full one never fits.
+std::string done_packet(const AnsweredFrame& frame, std::span<pb::ShortenedWays> ways,
+                        std::span<pb::ContactChunk> pieces) {
   pb::StreamFramesResponse response;
   response.set_frame_id(frame.frame_id);
   *response.mutable_done() = done_message(frame);
+  for (auto& piece : ways) *response.mutable_done()->mutable_shortened() = std::move(piece);
   for (auto& piece : pieces) *response.mutable_done()->add_contacts() = std::move(piece);
   return to_packet(std::move(response));
 }
@@ -116,7 +132,8 @@ std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& 
   OutputPart part(region_ && region_->has_device_output() ? std::span<std::byte>() : memory, offset);
   std::vector<std::string> packets;
   for (pb::StreamFramesResponse& errors : world_error_messages(frame)) packets.push_back(to_packet(std::move(errors)));
-  size_t alone = 0;  // of the pieces
+  std::vector<pb::ShortenedWays> ways = make_ways(frame.result.shortened);
+  size_t ways_alone = 0, alone = 0;  // of the ways, and of the pieces
   std::vector<pb::ContactChunk> pieces;
   for_each_kind(
       [&](ContactKind kind, const PlacedContacts& placed) {
@@ -126,11 +143,15 @@ std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& 
   encode_contacts(scene, frame, kNoCut, [&](std::span<const Chunk> chunks) {
     for (const Chunk& chunk : chunks) put_chunk(chunk, scene.engine().topology(), part, pieces);
     std::vector<size_t> sizes;
+    for (const auto& piece : ways) sizes.push_back(piece.ByteSizeLong());
     for (const auto& piece : pieces) sizes.push_back(piece.ByteSizeLong());
-    alone = pieces.size() - fit_at_end(sizes, kInlineBytes);
+    const size_t all_alone = sizes.size() - fit_at_end(sizes, kInlineBytes);
+    ways_alone = std::min(all_alone, ways.size());
+    alone = all_alone - ways_alone;
+    for (size_t i = 0; i < ways_alone; ++i) packets.push_back(ways_packet(frame.frame_id, std::move(ways[i])));
     for (size_t i = 0; i < alone; ++i) packets.push_back(contacts_packet(frame.frame_id, std::move(pieces[i])));
   });
-  packets.push_back(done_packet(frame, std::span(pieces).subspan(alone)));
+  packets.push_back(done_packet(frame, std::span(ways).subspan(ways_alone), std::span(pieces).subspan(alone)));
   return packets;
 }
 

@@ -99,11 +99,14 @@ TEST_F(CLibrary, StructuresKeepTheirLayout) {
   EXPECT_EQ(offsetof(collided_scene_spec, thickness), 80u);
   EXPECT_EQ(sizeof(collided_update), 80u);
   EXPECT_EQ(offsetof(collided_update, transform), 64u);
-  EXPECT_EQ(sizeof(collided_frame), 104u);
+  EXPECT_EQ(sizeof(collided_frame), 112u);
   EXPECT_EQ(offsetof(collided_frame, delta), 48u);
   EXPECT_EQ(offsetof(collided_frame, room_bytes), 96u);
+  EXPECT_EQ(offsetof(collided_frame, advance_mode), 104u);
   EXPECT_EQ(sizeof(collided_contacts), 72u);
-  EXPECT_EQ(sizeof(collided_facts), 200u);
+  EXPECT_EQ(sizeof(collided_facts), 232u);
+  EXPECT_EQ(offsetof(collided_facts, contacts), 176u);
+  EXPECT_EQ(offsetof(collided_facts, way), 200u);
   EXPECT_EQ(sizeof(collided_topology), 72u);
   EXPECT_EQ(sizeof(collided_device_info), 160u);
 }
@@ -145,6 +148,60 @@ TEST_F(CLibrary, FactsStagesTopologyAndPositionsAreThere) {
   info.struct_size = sizeof(info);
   EXPECT_EQ(collided_scene_device(made, &info), COLLIDED_OK);
   EXPECT_STREQ(info.id, "cpu:0");
+}
+
+TEST_F(CLibrary, AnAdvanceTellsHowFarTheEngineWent) {
+  constexpr AdvanceMode kModes[] = {AdvanceMode::kAllOrOne, AdvanceMode::kAllOrOne, AdvanceMode::kPerMesh,
+                                    AdvanceMode::kPerVertex};
+  for (int32_t mode = 0; mode <= COLLIDED_ADVANCE_PER_VERTEX; ++mode) {
+    create();
+    collided_result *first = nullptr, *result = nullptr;
+    ASSERT_EQ(detect(0, &first), COLLIDED_OK);
+    collided_result_free(first);
+    collided_frame frame = scene.frames[1];
+    frame.advance = 1, frame.advance_mode = mode;
+    ASSERT_EQ(collided_detect(made, &frame, &result), COLLIDED_OK) << collided_error_message();
+    collided_facts facts = {};
+    facts.struct_size = sizeof(facts);
+    ASSERT_EQ(collided_result_facts(result, &facts), COLLIDED_OK);
+
+    const auto engine = Detector::create(scene.engine());
+    engine->detect(scene.engine_frame(0));
+    FrameInput input = scene.engine_frame(1);
+    input.advance = true, input.advance_mode = kModes[mode];
+    const FrameResult expected = engine->detect(input);
+    EXPECT_LT(facts.advanced, 1);
+    EXPECT_EQ(facts.advanced, expected.advanced);
+    EXPECT_EQ(facts.way, expected.way);
+    EXPECT_LT(facts.way, 1);
+    EXPECT_EQ(facts.shortened_count > 0, mode > COLLIDED_ADVANCE_ALL_OR_ONE);
+    ASSERT_EQ(facts.shortened_count, expected.shortened.ids.size());
+    EXPECT_EQ(facts.shortened_ids == nullptr, facts.shortened_count == 0);
+    for (uint64_t i = 0; i < facts.shortened_count; ++i) {
+      EXPECT_EQ(facts.shortened_ids[i], expected.shortened.ids[i]);
+      EXPECT_EQ(facts.shortened_fractions[i], expected.shortened.fractions[i]);
+    }
+    collided_result_free(result);
+    collided_scene_free(made);
+    made = nullptr;
+  }
+}
+
+// A program that was compiled before there were modes.
+TEST_F(CLibrary, StructuresOfTheFirstVersionAreUsedAsTheyWere) {
+  create();
+  collided_frame frame = scene.frames[0];
+  frame.struct_size = offsetof(collided_frame, advance_mode);
+  frame.advance_mode = 77, frame.reserved = 77;  // beyond its end
+  collided_result* result = nullptr;
+  ASSERT_EQ(collided_detect(made, &frame, &result), COLLIDED_OK) << collided_error_message();
+  collided_facts facts = {};
+  facts.struct_size = offsetof(collided_facts, way);
+  facts.way = -7;
+  ASSERT_EQ(collided_result_facts(result, &facts), COLLIDED_OK);
+  EXPECT_EQ(facts.advanced, 1);
+  EXPECT_EQ(facts.way, -7);
+  collided_result_free(result);
 }
 
 TEST_F(CLibrary, AResultOutlivesItsScene) {

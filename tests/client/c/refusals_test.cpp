@@ -137,6 +137,9 @@ TEST(CLibraryRefusals, FramesWithTheirFieldAndTheSceneStays) {
       {"delta", [&](auto& f, auto*) { f.delta = &bad_delta; }},
       {"start_fraction", [&](auto& f, auto*) { f.start_fraction = &bad_fraction; }},
       {"advance", [](auto& f, auto*) { f.accuracy = COLLIDED_FAST, f.advance = 1; }},
+      {"advance_mode", [](auto& f, auto*) { f.advance_mode = COLLIDED_ADVANCE_PER_MESH; }},
+      {"advance_mode", [](auto& f, auto*) { f.advance = 1, f.advance_mode = 4; }},
+      {"advance_mode", [](auto& f, auto*) { f.advance = 1, f.advance_mode = -1; }},
       {"stream", [](auto& f, auto*) { f.stream = &f; }},  // of a scene on CPU cores
       {"room", [](auto& f, auto*) { f.room_bytes = 64; }},
       {"room_bytes", [&](auto& f, auto*) { f.room = positions.data(); }},

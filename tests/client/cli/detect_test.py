@@ -235,6 +235,15 @@ class Detect(support.CollidectlTest):
         still = json.loads(self.ok("detect", "--frames", self.frame0, self.frame0, *ONE_CPU, "--json", "--advance"))
         self.assertEqual(still["advanced"], 1)
 
+    def test_an_advance_tells_what_it_shortened(self):
+        words = ["detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--json", "--advance"]
+        whole = json.loads(self.ok(*words))
+        self.assertAlmostEqual(whole["way"], whole["advanced"], 5)
+        for mode, count in ("per-mesh", 1), ("per-vertex", 1):
+            each = json.loads(self.ok(*words, "--advance-mode", mode))
+            self.assertEqual(each["shortened_count"], count, mode)
+            self.assertGreaterEqual(each["way"], whole["way"] - 1e-5, mode)
+
     def test_reports(self):
         frames = [self.frame0, self.frame1]
         out = os.path.join(self.folder.name, "c.csv")

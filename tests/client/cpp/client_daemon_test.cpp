@@ -134,6 +134,86 @@ TEST_F(ClientAndDaemon, MoveAlongGivesThePositionsThatAnAdvanceEndsAt) {
                [&] { move_along(std::span(x), std::span<const double>(target).first(3), 0.5); });
 }
 
+/// The tip of a triangle is pressed onto a floor, its two other corners stay above it, and a third mesh is far away.
+class PressedVertex : public ClientAndDaemon {
+ protected:
+  static constexpr uint32_t kTip = 3;  // scene-wide
+
+  PressedVertex() {
+    v1::SceneSpec spec;
+    spec.set_mode(v1::DETECTION_MODE_CCD);
+    spec.set_position_format(v1::POSITION_FORMAT_F64);
+    const std::vector<MeshInput> meshes{{.name = "floor", .vertex_count = 3, .triangles = kOne, .is_static = true},
+                                        {.name = "tip", .vertex_count = 3, .triangles = kOne},
+                                        {.name = "free", .vertex_count = 3, .triangles = kOne}};
+    scene = client.create_scene(spec, meshes);
+  }
+
+  /// Steps with that mode, and compares the positions that the client computes with the daemon's.
+  FrameOutput step(const StreamOptions& options, v1::AdvanceMode mode) {
+    Watcher watcher = client.watch(scene.scene_id(), {.meshes = {1, 2}});
+    FrameStream stream = client.stream(scene, options);
+    const uint64_t first = stream.scene().last_frame_id() + 1;
+    std::vector<double> tip{1, 1, 1, 1.5, 1, 3, 1, 1.5, 3}, free{9, 9, 0, 9.5, 9, 0, 9, 9.5, 0};
+    const std::vector<double> floor{0, 0, 0, 4, 0, 0, 0, 4, 0}, tip_end{1, 1, -1.1, 1.6, 1, 1.3, 1, 1.6, 1.2},
+        free_end{9, 9, 3.1, 9.5, 9.3, 3, 9, 9.5, 3};
+    const auto send = [&](uint64_t id, const std::vector<double>& a, const std::vector<double>& b,
+                          const FrameOptions& frame) {
+      std::vector<FrameUpdate> updates{{.mesh = 1, .positions = std::as_bytes(std::span(a))},
+                                       {.mesh = 2, .positions = std::as_bytes(std::span(b))}};
+      if (id == 1) updates.push_back({.mesh = 0, .positions = std::as_bytes(std::span(floor))});
+      stream.send(id, updates, frame);
+      FrameOutput output = stream.receive();
+      output.check();
+      return output;
+    };
+    send(first, tip, free, {.accuracy = v1::ACCURACY_CANDIDATES});
+    watcher.receive();
+    FrameOutput output = send(first + 1, tip_end, free_end, {.advance = true, .advance_mode = mode});
+    move_along(std::span(tip), std::span<const double>(tip_end), output.advance, 1, 3);
+    move_along(std::span(free), std::span<const double>(free_end), output.advance, 2, 6);
+    const WatchedFrame shown = watcher.receive();
+    const auto expect_at = [&](size_t mesh, const std::vector<double>& x) {
+      const std::string bytes(reinterpret_cast<const char*>(x.data()), x.size() * sizeof(double));
+      EXPECT_TRUE(shown.positions.at(mesh).positions() == bytes) << mesh << " at mode " << mode;
+    };
+    expect_at(0, tip);
+    expect_at(1, free);
+    EXPECT_EQ(shown.done.way(), output.done.way());
+    EXPECT_FALSE(shown.done.has_shortened());
+    stream.finish();
+    return output;
+  }
+
+  const Triangles kOne{{0, 1, 2}};
+  v1::Scene scene;
+};
+
+TEST_F(PressedVertex, AloneIsShortenedOnEveryTransport) {
+  for (const Local local : {Local::kOff, Local::kOn}) {
+    const FrameOutput output = step({.local = {.use = local}}, v1::ADVANCE_MODE_PER_VERTEX);
+    ASSERT_EQ(output.advance.ids, std::vector<uint32_t>{kTip});
+    EXPECT_EQ(output.advance.fractions[0], output.done.advanced());
+    EXPECT_GT(output.done.advanced(), 0.4);
+    EXPECT_LT(output.done.advanced(), output.done.earliest_toi());
+    EXPECT_GT(output.done.way(), 0.8);
+    EXPECT_LT(output.done.way(), 1);
+  }
+}
+
+TEST_F(PressedVertex, ShortensItsMeshOrTheSceneInOtherModes) {
+  const FrameOutput mesh = step(kOverGrpc, v1::ADVANCE_MODE_PER_MESH);
+  EXPECT_EQ(mesh.advance.ids, std::vector<uint32_t>{1});
+  EXPECT_EQ(mesh.advance.of_vertex(1, kTip + 1), mesh.done.advanced());
+  EXPECT_EQ(mesh.advance.of_vertex(2, 6), 1);
+  for (const auto mode : {v1::ADVANCE_MODE_UNSPECIFIED, v1::ADVANCE_MODE_ALL_OR_ONE}) {
+    const FrameOutput all = step(kOverGrpc, mode);
+    EXPECT_TRUE(all.advance.ids.empty());
+    EXPECT_LT(all.done.way(), mesh.done.way());
+    EXPECT_NEAR(all.done.way(), all.done.advanced(), 1e-6);
+  }
+}
+
 TEST_F(ClientAndDaemon, AWatcherIsCancelledWhileItWaits) {
   const v1::Scene scene = make_scene();
   Watcher watcher = client.watch(scene.scene_id());

@@ -122,6 +122,23 @@ TEST_F(NewerLibrary, AsksForTheRest) {
   EXPECT_EQ(refused("EstimateSceneRequest", "", {"collided.v1.CollisionService.EstimateScene"}), "");
 }
 
+TEST_F(NewerLibrary, RefusesAnAdvanceModeThatAnOlderDaemonWouldIgnore) {
+  const Features older(daemon(), "here"),
+      newer(daemon({"collided.v1.Frame.advance_mode", "collided.v1.ADVANCE_MODE_PER_MESH"}), "here");
+  v1::Frame frame;
+  frame.set_advance(true);
+  EXPECT_NO_THROW(older.check(frame, "frame"));
+  frame.set_advance_mode(v1::ADVANCE_MODE_PER_MESH);
+  EXPECT_NO_THROW(newer.check(frame, "frame"));
+  try {
+    older.check(frame, "frame");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), grpc::UNIMPLEMENTED);
+    EXPECT_EQ(e.message(), "frame.advance_mode needs a daemon of release 0.2.0 or later; the daemon at here is 0.1.0");
+  }
+}
+
 TEST_F(NewerLibrary, RefusesAnOpeningBeforeAnythingIsSent) {
   v1::OpenStream open;
   open.set_window(2);

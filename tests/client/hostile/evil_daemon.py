@@ -165,6 +165,14 @@ class AdvanceThatIsNone(OfStream):
     changes = {"advanced": float("inf")}
 
 
+class WayThatIsNone(OfStream):
+    changes = {"way": float("inf")}
+
+
+class ShortenedWithoutAdvance(OfStream):
+    changes = {"shortened": frame_pb2.ShortenedWays(ids=unpacked(1, 3), fractions=unpacked(1, 0.5, kind="d"))}
+
+
 class SharedWithoutMemory(OfStream):
     """Names gigabytes of shared memory where there is none."""
 

@@ -194,6 +194,8 @@ TEST_F(SetStreams, BadFramesNameFieldValueAndLimit) {
     expect("frame.worlds[0]", "is 3, but the set has 3 worlds", ask(good.end, {.worlds = {3}}));
     expect("frame.meshes[0]", "is 2, but the set has 2 meshes", ask(good.end, {.meshes = {2}}));
     expect("frame.updates[0].mesh", "is 1, but must be 0", ask(good.end, {}, 1));
+    expect("frame.advance", "is given", ask(good.end, {.advance = true}));
+    expect("frame.advance_mode", "is given", ask(good.end, {.advance_mode = pb::ADVANCE_MODE_PER_MESH}));
     expect("frame.trial", "is given", ask(good.end, {.trial = true}));
     expect("frame.edit", "is given", ask(good.end, {.edit = pb::SceneEdit()}));
     stream.send(++id, {}, {});

@@ -54,6 +54,7 @@ struct Compared {
       const FrameOutput output = answers.front().get();
       EXPECT_EQ(output.frame_id, ++answered);
       partial_ways += output.done.advanced() > 0 && output.done.advanced() < 1;
+      shortened += output.advance.ids.size();
       EXPECT_EQ(digest(output), expected[answered]) << "frame " << answered;
     }
   }
@@ -71,6 +72,7 @@ struct Compared {
   std::deque<std::future<FrameOutput>> answers;
   uint64_t sent = 0, answered = 0;
   int partial_ways = 0;  ///< frames that were allowed a part of theirs
+  size_t shortened = 0;  ///< meshes or vertices that were, of all frames
 };
 
 SessionOptions over(Local use) { return {.stream = {.window = 3, .local = {.use = use}}}; }
@@ -195,13 +197,20 @@ SessionFrame falling_frame(uint64_t id) {
   return frame;
 }
 
-TEST(SessionAdvance, AfterALossFramesBeginWhereAdvancesEnded) {
+class SessionAdvance : public ::testing::TestWithParam<pb::AdvanceMode> {};
+
+TEST_P(SessionAdvance, AfterALossFramesBeginWhereAdvancesEnded) {
   MortalDaemon daemon;
+  const auto frames = [](uint64_t id) {
+    SessionFrame frame = falling_frame(id);
+    frame.options.advance_mode = GetParam();
+    return frame;
+  };
   for (const Local use : {Local::kOff, Local::kOn}) {
     pb::SceneSpec spec = session_spec(pb::DETECTION_MODE_CCD, pb::POSITION_FORMAT_F64);
     spec.set_thickness(0);
     spec.set_min_separation(0.001);
-    Compared compared(daemon.address(), spec, falling_frame, 8, daemon.address(), over(use));
+    Compared compared(daemon.address(), spec, frames, 8, daemon.address(), over(use));
     for (int round = 0; round < 2; ++round) {
       compared.detect(2);
       daemon.pause();
@@ -212,8 +221,13 @@ TEST(SessionAdvance, AfterALossFramesBeginWhereAdvancesEnded) {
     }
     compared.expect_counts(2, 2);
     EXPECT_GT(compared.partial_ways, 0);
+    EXPECT_EQ(compared.shortened > 0, GetParam() != pb::ADVANCE_MODE_ALL_OR_ONE);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, SessionAdvance,
+                         ::testing::Values(pb::ADVANCE_MODE_ALL_OR_ONE, pb::ADVANCE_MODE_PER_MESH,
+                                           pb::ADVANCE_MODE_PER_VERTEX));
 
 // What the daemon applied before the connection broke, though its answer was lost, is taken back.
 TEST(SessionConnection, ABrokenConnectionIsResumedAtTheLastAnswer) {

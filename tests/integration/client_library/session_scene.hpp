@@ -113,9 +113,11 @@ void add_bytes(std::string& out, const std::vector<T>& values) {
   out += pack<uint64_t>({values.size()}) + pack(values);
 }
 
-/// All that an answer says of contacts.
+/// All that an answer says of contacts, and of how far the frame went.
 inline std::string digest(const FrameOutput& output) {
   std::string out = pack<double>({output.done.earliest_toi(), output.done.advanced()});
+  add_bytes(out, output.advance.ids);
+  add_bytes(out, output.advance.fractions);
   client::for_each_kind(
       [&](pb::ContactKind, const client::Contacts& contacts) {
         add_bytes(out, contacts.elements);

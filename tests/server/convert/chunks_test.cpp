@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "tests/support/every_field.hpp"
@@ -80,6 +81,26 @@ TEST(Chunks, ArraysOnTheDeviceAreThoseThatHaveBytes) {
                                                       {pb::ContactChunk::kDistanceFieldNumber, 64, 16},
                                                       {pb::ContactChunk::kStencilsFieldNumber, 128, 32}};
   EXPECT_EQ(arrays, expected);
+}
+
+TEST(Chunks, OfShortenedWaysAreBoundedAndInOrder) {
+  const ShortenedWays ways{{2, 3, 5, 7, 11}, {0, 0.25, 0.5, 0.75, 0.125}};
+  EXPECT_EQ(server::array_bytes(ways), 60u);
+  EXPECT_TRUE(cut_into_chunks(ShortenedWays(), 100).empty());
+  for (const size_t max_bytes : {1, 12, 35, 36, 59, 60, 1000}) {
+    const size_t most = std::max<size_t>(1, max_bytes / 12);
+    std::string ids, fractions;
+    for (const WaysChunk& chunk : cut_into_chunks(ways, max_bytes)) {
+      pb::ShortenedWays message;
+      fill_ways(chunk, &message);
+      EXPECT_LE(message.ids().size(), most * sizeof(uint32_t)) << max_bytes;
+      EXPECT_EQ(message.fractions().size(), 2 * message.ids().size());
+      EXPECT_GT(message.ids().size(), 0u);
+      ids += message.ids(), fractions += message.fractions();
+    }
+    EXPECT_EQ(ids, std::string(reinterpret_cast<const char*>(ways.ids.data()), 20)) << max_bytes;
+    EXPECT_EQ(fractions, std::string(reinterpret_cast<const char*>(ways.fractions.data()), 40)) << max_bytes;
+  }
 }
 
 TEST(Chunks, WhatWasNotComputedIsLeftOut) {

@@ -49,6 +49,21 @@ TEST(ConvertFrame, RefusesBadValues) {
   EXPECT_EQ(refused_field(any_scene, [](pb::Frame& f) { f.set_report(static_cast<pb::Report>(4)); }), "frame.report");
 }
 
+TEST(ConvertFrame, AnAdvanceGoesAllOrOneUnlessItsModeSaysOtherwise) {
+  constexpr std::pair<pb::AdvanceMode, AdvanceMode> kModes[] = {{pb::ADVANCE_MODE_UNSPECIFIED, AdvanceMode::kAllOrOne},
+                                                                {pb::ADVANCE_MODE_ALL_OR_ONE, AdvanceMode::kAllOrOne},
+                                                                {pb::ADVANCE_MODE_PER_MESH, AdvanceMode::kPerMesh},
+                                                                {pb::ADVANCE_MODE_PER_VERTEX, AdvanceMode::kPerVertex}};
+  for (const auto& [message, engine] : kModes) {
+    pb::Frame frame;
+    frame.set_advance(true);
+    frame.set_advance_mode(message);
+    const auto input = parse_frame(frame, {}, scene_with([](pb::SceneSpec&) {}));
+    EXPECT_TRUE(input.advance);
+    EXPECT_EQ(input.advance_mode, engine) << message;
+  }
+}
+
 TEST(ConvertFrame, OverridesMustGoTogetherWithTheScene) {
   const auto ccd = [](pb::SceneSpec&) {};
   const auto dcd = [](pb::SceneSpec& s) { s.set_mode(pb::DETECTION_MODE_DCD); };
@@ -109,6 +124,23 @@ TEST(ConvertFrame, ARefusedOverrideTellsWhatItDoesNotGoWith) {
             "triangle pairs; CCD lists them at CANDIDATES alone");
   EXPECT_TRUE(refusal_of([](pb::SceneSpec&) {}, [](pb::Frame& f) { f.set_delta(-1); })
                   .starts_with("frame.delta is -1; it must be from 0 to "));
+}
+
+TEST(ConvertFrame, AnAdvanceModeIsKnownAndOfAnAdvance) {
+  const auto refusal = [](bool advance, int mode) {
+    return refusal_of(
+        [](pb::SceneSpec&) {},
+        [&](pb::Frame& f) { f.set_advance(advance), f.set_advance_mode(static_cast<pb::AdvanceMode>(mode)); });
+  };
+  EXPECT_EQ(refusal(true, 4),
+            "frame.advance_mode is 4, but must be ADVANCE_MODE_ALL_OR_ONE, ADVANCE_MODE_PER_MESH or "
+            "ADVANCE_MODE_PER_VERTEX");
+  EXPECT_EQ(refusal(false, -1).find("frame.advance_mode is -1, but must be"), 0u);
+  EXPECT_EQ(refusal(false, pb::ADVANCE_MODE_PER_MESH),
+            "frame.advance_mode is ADVANCE_MODE_PER_MESH, but frame.advance is false");
+  EXPECT_EQ(refusal(false, pb::ADVANCE_MODE_ALL_OR_ONE),
+            "frame.advance_mode is ADVANCE_MODE_ALL_OR_ONE, but frame.advance is false");
+  EXPECT_EQ(refusal(false, pb::ADVANCE_MODE_UNSPECIFIED), "accepted");
 }
 
 TEST(ConvertFrame, PlacedPositionsComeBeforeThoseOfTheMessage) {

@@ -56,7 +56,8 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
   result.shards = {{0.5, 12, 13, 14}};
   result.input_resolution = result.any_contact = true;
   result.earliest_toi = 0.25;
-  result.advanced = 0.5;
+  result.advanced = 0.5, result.way = 0.75;
+  result.shortened = {{3}, {0.5}};
   result.unused_options = {"min_separation"};
   result.placed.vertex_triangle.count = 3;
   pb::FrameDone done;
@@ -65,8 +66,10 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
             (std::set<std::string>{"contacts", "metrics.total_milliseconds", "metrics.queue_milliseconds",
                                    "metrics.device_bytes", "metrics.bytes_in", "metrics.bytes_out",
                                    "metrics.decode_milliseconds", "metrics.engine_milliseconds",
-                                   "metrics.encode_milliseconds"}));
+                                   "metrics.encode_milliseconds", "shortened"}));
   EXPECT_EQ(done.contact_count(), 3u);
+  EXPECT_EQ(done.advanced(), 0.5);
+  EXPECT_EQ(done.way(), 0.75);
   const pb::FrameMetrics& metrics = done.metrics();
   EXPECT_EQ(metrics.stages(0).stage(), "boxes");
   EXPECT_EQ(metrics.unused_options(0), "spec.min_separation");
@@ -82,6 +85,12 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
   EXPECT_EQ(metrics.parts(0).step_milliseconds(), 12);
   EXPECT_EQ(metrics.parts(0).pairs(), 13u);
   EXPECT_EQ(metrics.parts(0).contacts(), 14u);
+}
+
+TEST(Told, HowFarAFrameWentOnlyWhereItAdvances) {
+  pb::FrameDone done;
+  fill_result({}, &done);
+  EXPECT_FALSE(done.has_advanced() || done.has_way());
 }
 
 TEST(Told, AllLimits) {

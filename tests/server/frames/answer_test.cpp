@@ -87,5 +87,16 @@ TEST(FrameAnswer, DoneTellsTotalsCountsAndWarnings) {
   EXPECT_EQ(done.metrics().warnings(0), pb::FRAME_WARNING_INPUT_RESOLUTION);
 }
 
+// Watchers are shown it, and what they are shown is bounded.
+TEST(FrameAnswer, DoneHasHowFarTheFrameWentWithoutEachShortenedWay) {
+  AnsweredFrame frame;
+  frame.result.advanced = 0.25, frame.result.way = 0.5;
+  frame.result.shortened = {{1, 4}, {0.25, 0.75}};
+  const pb::FrameDone done = done_message(frame);
+  EXPECT_EQ(done.advanced(), 0.25);
+  EXPECT_EQ(done.way(), 0.5);
+  EXPECT_FALSE(done.has_shortened());
+}
+
 }  // namespace
 }  // namespace collided::server

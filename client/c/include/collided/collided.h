@@ -142,6 +142,13 @@ enum {
 /* Reuse of candidate lists from frame to frame. 0: where it is faster. */
 enum { COLLIDED_REUSE_ON = 1, COLLIDED_REUSE_OFF = 2 };
 
+/* collided_frame.advance_mode: what goes its own fraction of the way. */
+enum {
+  COLLIDED_ADVANCE_ALL_OR_ONE = 1, /* the scene; the default */
+  COLLIDED_ADVANCE_PER_MESH = 2,   /* each mesh */
+  COLLIDED_ADVANCE_PER_VERTEX = 3  /* each vertex; rigid meshes go as a whole */
+};
+
 /* Kinds of contacts. */
 enum { COLLIDED_VERTEX_TRIANGLE = 1, COLLIDED_EDGE_EDGE = 2, COLLIDED_TRIANGLE_TRIANGLE = 3 };
 /* Masks of collided_scene_spec.kinds: 1 << (kind - 1). 0: the first two. */
@@ -263,7 +270,8 @@ typedef struct collided_frame {
   int32_t accuracy;             /* likewise */
   int32_t report;               /* likewise */
   int32_t ignore_separating;    /* CCD from GUARDED on: contacts that come no closer do not count in earliest_toi */
-  int32_t advance;              /* CCD from CERTIFIED on: go only as far as is certified free of contact */
+  int32_t advance;              /* CCD from CERTIFIED on: go only as far as is certified: features keep min_separation,
+                                   and those that start closer come no closer */
   int32_t trial;                /* answer, and leave the scene as it was */
   const double* delta;          /* of this frame; null: the scene's */
   const double* start_fraction; /* CCD: begin this far along the last frame's way, 0 to 1; null: at its end */
@@ -279,6 +287,8 @@ typedef struct collided_frame {
    * call returns. Null: all contacts come to the host. */
   void* room;
   uint64_t room_bytes;
+  int32_t advance_mode; /* with `advance` alone: COLLIDED_ADVANCE_ALL_OR_ONE ... */
+  int32_t reserved;     /* 0 */
 } collided_frame;
 
 typedef struct collided_result collided_result;
@@ -323,7 +333,8 @@ typedef struct collided_facts {
   size_t struct_size;
   uint64_t contact_count;   /* of all kinds */
   double earliest_toi;      /* 0 to 1; 1 where there is none, and where times are not computed */
-  double advanced;          /* with `advance`: how far the scene went, 0 to 1; else 1 */
+  double advanced;          /* with `advance`: how far the scene went, 0 to 1: the least fraction of anything that
+                               moves; else 1 */
   int32_t any_contact;      /* candidates do not count */
   int32_t input_resolution; /* the positions' own spacing is coarser than delta */
   double step_milliseconds; /* from positions on the device to sorted contacts there */
@@ -338,6 +349,12 @@ typedef struct collided_facts {
   uint32_t top_level, base_level;
   /* [kind - 1]: */
   uint64_t candidates[3], survivors[3], contacts[3];
+  double way; /* with `advance`: lengths of all vertices' ways that were gone, added up, divided by those of the whole
+                 ways, 0 to 1; else 1 */
+  /* With `advance` PER_MESH or PER_VERTEX: what did not go all of its way. */
+  uint64_t shortened_count;
+  const uint32_t* shortened_ids;     /* [shortened_count], ascending: meshes, or scene-wide vertices */
+  const double* shortened_fractions; /* [shortened_count]: how far each went, 0 or more and less than 1 */
 } collided_facts;
 
 COLLIDED_API collided_status collided_result_facts(const collided_result* result, collided_facts* facts);

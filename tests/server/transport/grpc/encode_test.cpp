@@ -138,6 +138,33 @@ TEST_F(FrameEncode, NoContactIsLostAndChunksStayBelowTheBound) {
   EXPECT_EQ(toi, all(result.vertex_triangle.toi, result.edge_edge.toi));
 }
 
+// Few vertices and many come with few contacts and many.
+TEST_F(FrameEncode, NoShortenedWayIsLostAndMessagesStayBelowTheBound) {
+  constexpr size_t kMax = 10'000;
+  const auto scene = scene_with(kAllFields);
+  for (const uint32_t count : {0u, 1u, 5u, 833u, 834u, 1666u, 5000u})
+    for (const uint32_t hits : {0u, 1u, 500u}) {
+      const auto answer = frame(hits, 0, 0);
+      ShortenedWays& ways = answer->result.shortened;
+      for (uint32_t i = 0; i < count; ++i) ways.ids.push_back(3 * i), ways.fractions.push_back(1 / (i + 2.0));
+      std::string ids, fractions;
+      const auto add = [&](const pb::ShortenedWays& some) { ids += some.ids(), fractions += some.fractions(); };
+      const auto messages = encode_answer(*scene, answer, kMax);
+      for (const auto& message : messages) {
+        const auto response = parse(message);
+        size_t bytes = array_bytes(response.contacts());
+        for (const auto& chunk : response.done().contacts()) bytes += array_bytes(chunk);
+        for (const auto* some : {&response.shortened(), &response.done().shortened()})
+          bytes += some->ids().size() + some->fractions().size(), add(*some);
+        EXPECT_LE(bytes, kMax);
+      }
+      EXPECT_EQ(messages.size() == 1, answer->cost.bytes_out <= kMax) << count << " " << hits;
+      EXPECT_EQ(ids, std::string(reinterpret_cast<const char*>(ways.ids.data()), 4 * count));
+      EXPECT_EQ(fractions, std::string(reinterpret_cast<const char*>(ways.fractions.data()), 8 * count));
+      EXPECT_EQ(answer->cost.bytes_out, 12 * count + hits * kAllFields.contact_bytes());
+    }
+}
+
 TEST_F(FrameEncode, TheLastMessageAloneEndsTheFrame) {
   const auto scene = scene_with(kAllFields);
   for (const uint32_t count : {0u, 1u, 2000u}) {

@@ -1,0 +1,58 @@
+// Answers of a local stream as packets: what the engine found is in them, however long it is.
+#include "server/transport/local/encode.hpp"
+
+#include <gtest/gtest.h>
+
+#include "proto/constants.hpp"
+#include "tests/server/scenes/tiny_scene.hpp"
+
+namespace collided::server {
+namespace {
+
+pb::StreamFramesResponse parse(const std::string& packet) {
+  EXPECT_LE(packet.size(), pb::kMaxPacketBytes);
+  pb::LocalResponse response;
+  EXPECT_TRUE(response.ParseFromString(packet));
+  return response.frame();
+}
+
+AnsweredFrame frame_with(uint32_t shortened, uint32_t contacts) {
+  AnsweredFrame frame{7, std::chrono::steady_clock::now(), {}, {}, false};
+  for (uint32_t i = 0; i < shortened; ++i) {
+    frame.result.shortened.ids.push_back(2 * i);
+    frame.result.shortened.fractions.push_back(1 / (i + 2.0));
+  }
+  frame.result.vertex_triangle.elements = std::vector<std::array<uint32_t, 2>>(contacts, {3, 0});
+  frame.result.vertex_triangle.toi = std::vector<double>(contacts, 0.5);
+  return frame;
+}
+
+// A million vertices take 12 MB, and a packet has 64 KiB.
+TEST(LocalAnswer, ShortenedWaysTakeAsManyPacketsAsTheyNeed) {
+  SceneBench bench;
+  const SceneUse scene = bench.add();
+  for (const uint32_t count : {0u, 1u, 100u, 4096u, 4097u, 8192u, 1'000'000u})
+    for (const uint32_t hits : {0u, 1u, 5000u}) {
+      AnsweredFrame frame = frame_with(count, hits);
+      std::string ids, fractions;
+      uint64_t contacts = 0;
+      const std::vector<std::string> packets = AnswerWriter(nullptr, 2).write(*scene, frame);
+      for (const std::string& packet : packets) {
+        const pb::StreamFramesResponse response = parse(packet);
+        EXPECT_EQ(response.frame_id(), 7u);
+        EXPECT_EQ(response.has_done(), &packet == &packets.back());
+        ids += response.shortened().ids() + response.done().shortened().ids();
+        fractions += response.shortened().fractions() + response.done().shortened().fractions();
+        contacts += response.contacts().count();
+        for (const pb::ContactChunk& chunk : response.done().contacts()) contacts += chunk.count();
+      }
+      const ShortenedWays& ways = frame.result.shortened;
+      EXPECT_EQ(packets.size() == 1, count <= 100 && hits <= 1) << count << " " << hits;
+      EXPECT_EQ(ids, std::string(reinterpret_cast<const char*>(ways.ids.data()), 4 * size_t{count}));
+      EXPECT_EQ(fractions, std::string(reinterpret_cast<const char*>(ways.fractions.data()), 8 * size_t{count}));
+      EXPECT_EQ(contacts, hits);
+    }
+}
+
+}  // namespace
+}  // namespace collided::server
