@@ -16,6 +16,7 @@ from collided.contacts.columns import Part, joined
 from collided.contacts.geometry import closest_points, meshes_of
 from collided.contacts.tables import dataframe, records
 from collided.errors import FailedPrecondition, InvalidArgument
+from collided.frames.advance import Shortened
 from collided.kinds import KINDS, HasKinds, Kind
 from collided.v1 import contact_pb2, metrics_pb2
 
@@ -90,8 +91,27 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
 
     @property
     def advanced(self) -> float | None:
-        """How far the scene went, in [0, 1], in a frame with `advance`; else None."""
+        """How far the scene went, in [0, 1], the least fraction of anything that moves, in a frame with `advance`; else None."""
         return self.answer.done.advanced if self.answer.done.HasField("advanced") else None
+
+    @property
+    def way(self) -> float | None:
+        """The share of the motion that was gone, in [0, 1], in a frame with `advance`, else None: the lengths of all vertices' ways
+        that were gone, added up, divided by those of the whole ways."""
+        return self.answer.done.way if self.answer.done.HasField("way") else None
+
+    @property
+    def shortened(self) -> Shortened:
+        """What did not go all of its way in a frame with `advance="per_mesh"` or `"per_vertex"`; none of a frame that is watched."""
+        return Shortened() if self.answer.advance is None else self.answer.advance.shortened
+
+    def fractions(self, mesh: str | int) -> np.ndarray:
+        """float64[n]: how far each vertex of a mesh went, in [0, 1], in a frame with `advance`; for `move_along`."""
+        if self.answer.advance is None:
+            raise FailedPrecondition(f"frame {self.frame_id} has no fractions: it was sent without advance, or is watched",
+                                     field="advance")
+        index = self.answer.layout.index(mesh)
+        return np.full(self.answer.layout.mesh(index).vertex_count, self.answer.advance.fraction(index))
 
     @property
     def metrics(self) -> metrics_pb2.FrameMetrics:
