@@ -59,6 +59,20 @@ for (const Type of [Float32Array, Float64Array]) {
     assert(advanced > 0 && advanced < 1, `${advanced} tests no rounding`);
   });
 
+  test(`moveAlong moves each vertex by a fraction of its own (${Type.name})`, () => {
+    const fractions = Float64Array.of(1 / 3, 0, 1, 127 / 128, 1e-300, 0.7);
+    const x = new Type(18).map((_, i) => [1.1 * i, -7e5, 1e-6][i % 3]);
+    const p = new Type(18).map((_, i) => [0.3 - i, 2 / 3, 1e7][i % 3]);
+    const expected = x.slice();
+    fractions.forEach((fraction, i) => {
+      const [from, to] = [expected, p].map((all) => all.subarray(3 * i, 3 * i + 3));
+      moveAlong<Float32Array | Float64Array>(from, to, fraction);
+    });
+    moveAlong<Float32Array | Float64Array>(x, p, fractions);
+    assert.deepEqual(x, expected);
+    assert.deepEqual([x.subarray(3, 6), x.subarray(6, 9)], [Type.of(1.1 * 3, -7e5, 1e-6), p.subarray(6, 9)]);
+  });
+
   test(`moveRigidly goes where the daemon goes, to the last bit (${Type.name})`, async () => {
     const positionFormat = Type === Float32Array ? PositionFormat.F32 : PositionFormat.F64;
     const [floor, tip] = TWO_TRIANGLES.meshes;
@@ -108,6 +122,14 @@ test("helpers refuse what they cannot do", async () => {
   await refused(() => moveAlong(three, new Float32Array(6), 0.5), Code.INVALID_ARGUMENT, "target");
   await refused(() => moveAlong(three, new Float64Array(3) as never, 0.5), Code.INVALID_ARGUMENT, "target");
   await refused(() => moveAlong(three, three, NaN), Code.INVALID_ARGUMENT, "fraction", /is NaN; it must be from 0 to 1/);
+  const [from, to] = [new Float32Array(6), new Float32Array(6).fill(1)];
+  const each = (...fractions: number[]) => moveAlong(from, to, Float64Array.from(fractions));
+  await refused(() => each(0.5), Code.INVALID_ARGUMENT, "fraction", /a Float64Array of 1; it must be a number, or a Float64Array of 2/);
+  await refused(() => each(0.5, NaN), Code.INVALID_ARGUMENT, "fraction[1]", /is NaN; it must be from 0 to 1/);
+  await refused(() => each(0.5, 1.5), Code.INVALID_ARGUMENT, "fraction[1]", /is 1.5/);
+  await refused(() => moveAlong(from, to, [0, 0] as never), Code.INVALID_ARGUMENT, "fraction", /an array of 2/);
+  await refused(() => moveAlong(from, to, undefined as never), Code.INVALID_ARGUMENT, "fraction", /is undefined/);
+  assert.deepEqual(from, new Float32Array(6));
   await refused(() => moveAlong([1, 2, 3] as never, three, 0), Code.INVALID_ARGUMENT, "positions");
   await refused(() => moveRigidly(three, [1]), Code.INVALID_ARGUMENT, "matrix", /12 finite numbers/);
 });
