@@ -104,7 +104,8 @@ func MoveAlong[T Real](positions, target [][3]T, fraction float64) error {
 	return nil
 }
 
-// MoveEachAlong moves each of positions in place by a fraction of its own, as MoveAlong does: Output.Shortened.Of.
+// MoveEachAlong moves each vertex in place by a fraction of its own, as MoveAlong does. Output.Shortened.Of has the fractions.
+// InvalidArgument if there are not as many of them and of target as of positions, or one is not from 0 to 1.
 func MoveEachAlong[T Real](positions, target [][3]T, fractions []float64) error {
 	if len(positions) != len(target) {
 		return invalidf("target", "has %d vertices, positions have %d", len(target), len(positions))

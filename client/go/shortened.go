@@ -9,15 +9,15 @@ import (
 	v1 "collided.invalid/client/go/v1"
 )
 
-// Shortened is what did not go all of its way in a frame that advances PerMesh or PerVertex. All else that moves went all of it.
+// Shortened lists what did not go all of its way in a frame that advances PerMesh or PerVertex. All else that moves went all of it.
 type Shortened struct {
-	// IDs are strictly ascending: of meshes, or of vertices, numbered within the scene.
+	// IDs ascend strictly. They are of meshes, or of vertices, numbered within the scene.
 	IDs []uint32
 	// Fractions tell how far each went, in [0, 1).
 	Fractions []float64
 }
 
-// Of tells how far each of count vertices, or meshes, went, from the id first on: fractions for MoveEachAlong.
+// Of returns how far each of count vertices, or meshes, went, from the id first on, in [0, 1]. MoveEachAlong takes these fractions.
 func (s Shortened) Of(first uint32, count int) []float64 {
 	fractions := make([]float64, count)
 	for i := range fractions {

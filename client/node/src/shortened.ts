@@ -1,19 +1,19 @@
-// How far things went in a frame that advances per mesh or per vertex.
+// This file reads how far each mesh, or vertex, went in a frame that advances.
 
 import { join } from "./arrays.js";
 import { checkValue, uint32 } from "./check.js";
 import { type SceneSize, dataLoss } from "./check_answer.js";
 import { AdvanceMode, type ShortenedWays } from "./generated/collided/v1/frame.js";
 
-/** What did not go all of its way in such a frame. All else that moves went all of it. */
+/** Lists what did not go all of its way in a frame that advances per mesh or per vertex. All else that moves went all of it. */
 export interface Shortened {
-  /** Strictly ascending: of meshes, or of vertices, numbered within the scene. */
+  /** They ascend strictly. They are of meshes, or of vertices, numbered within the scene. */
   ids: Uint32Array;
-  /** How far each went, in [0, 1). */
+  /** They tell how far each went, in [0, 1). */
   fractions: Float64Array;
 }
 
-/** How far each of `count` vertices, or meshes, went, from the id `first` on: fractions for moveAlong. */
+/** Returns how far each of `count` vertices, or meshes, went, from the id `first` on, in [0, 1]. moveAlong takes these fractions. */
 export function fractionsOf({ ids, fractions }: Shortened, first: number, count: number): Float64Array {
   checkValue(first, uint32, "first");
   checkValue(count, uint32, "count");
@@ -22,7 +22,7 @@ export function fractionsOf({ ids, fractions }: Shortened, first: number, count:
   return out;
 }
 
-/** Of the first id that is not below `least`. */
+/** Returns the index of the first id that is not below `least`. */
 function placeOf(ids: Uint32Array, least: number): number {
   let [begin, end] = [0, ids.length];
   while (begin < end) {
@@ -33,7 +33,7 @@ function placeOf(ids: Uint32Array, least: number): number {
   return begin;
 }
 
-/** All that the messages of an answer have. Throws (DATA_LOSS) if that cannot be. */
+/** Joins all that the messages of an answer have. Throws (DATA_LOSS) if that cannot be. */
 export function shortenedOf(messages: readonly ShortenedWays[]): Shortened {
   for (const { ids, fractions } of messages) {
     if (ids.length % 4 !== 0 || fractions.length !== 2 * ids.length) {
@@ -56,7 +56,7 @@ export function shortenedOf(messages: readonly ShortenedWays[]): Shortened {
   return { ids, fractions };
 }
 
-/** The frame has what the ids name. Without a size, and where that is 0, it is not known how many there may be. */
+/** Throws (DATA_LOSS) unless the frame has what the ids name. Without a size, or if it is 0, any number of them will do. */
 export function checkShortened({ ids }: Shortened, mode: AdvanceMode, size?: SceneSize): void {
   let limit = 0;
   if (mode === AdvanceMode.PER_MESH) limit = size?.meshes || Infinity;

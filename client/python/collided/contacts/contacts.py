@@ -91,22 +91,25 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
 
     @property
     def advanced(self) -> float | None:
-        """How far the scene went, in [0, 1], the least fraction of anything that moves, in a frame with `advance`; else None."""
+        """How far the scene went, in [0, 1], in a frame with `advance`; else None. It is the least fraction of anything that moves."""
         return self.answer.done.advanced if self.answer.done.HasField("advanced") else None
 
     @property
     def way(self) -> float | None:
-        """The share of the motion that was gone, in [0, 1], in a frame with `advance`, else None: the lengths of all vertices' ways
-        that were gone, added up, divided by those of the whole ways."""
+        """The share of the motion that was gone, in [0, 1], in a frame with `advance`; else None. It divides the summed lengths of
+        the ways that vertices went by those of their whole ways."""
         return self.answer.done.way if self.answer.done.HasField("way") else None
 
     @property
     def shortened(self) -> Shortened:
-        """What did not go all of its way in a frame with `advance="per_mesh"` or `"per_vertex"`; none of a frame that is watched."""
+        """Lists what did not go all of its way in a frame with `advance="per_mesh"` or `"per_vertex"`. Frames that are watched have
+        none."""
         return Shortened() if self.answer.advance is None else self.answer.advance.shortened
 
     def fractions(self, mesh: str | int) -> np.ndarray:
-        """float64[n]: how far each vertex of a mesh went, in [0, 1], in a frame with `advance`; for `move_along`."""
+        """float64[n]: how far each vertex of a mesh went, in [0, 1], in a frame with `advance`. `move_along` takes it.
+
+        Raises FailedPrecondition for a frame without `advance`, and for one that is watched."""
         if self.answer.advance is None:
             raise FailedPrecondition(f"frame {self.frame_id} has no fractions: it was sent without advance, or is watched",
                                      field="advance")

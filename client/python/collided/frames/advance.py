@@ -1,4 +1,4 @@
-"""How far a scene went in a frame that advances."""
+"""Reads how far a scene, its meshes or its vertices went in a frame that advances."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from collided.v1 import frame_pb2
 
 
 class Shortened(NamedTuple):
-    """What did not go all of its way in a frame that advances per mesh or per vertex. All else that moves went all of it.
+    """Lists what did not go all of its way in a frame that advances per mesh or per vertex. All else that moves went all of it.
 
-    ids: uint32[n], strictly ascending: of meshes, or of vertices, numbered within the scene.
+    ids: uint32[n], strictly ascending, of meshes, or of vertices, numbered within the scene.
     fractions: float64[n], how far each went, in [0, 1).
     """
 
@@ -24,7 +24,7 @@ class Shortened(NamedTuple):
     fractions: np.ndarray = np.empty(0, "<f8")
 
     def of(self, first: int, count: int) -> np.ndarray:
-        """float64[count]: how far each went of `count` meshes or vertices from the id `first` on."""
+        """Returns how far each of `count` meshes or vertices went, from the id `first` on: float64[count], in [0, 1]."""
         begin, end = np.searchsorted(self.ids, np.array([first, first + count], self.ids.dtype))
         out = np.ones(count)
         out[self.ids[begin:end] - first] = self.fractions[begin:end]
@@ -33,7 +33,11 @@ class Shortened(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Advance:
-    """One frame's. mode: what went its own fraction of the way. least: that of the scene, the least of all."""
+    """Tells how far a scene went in one frame.
+
+    mode: what went its own fraction of the way.
+    least: the least fraction of anything that moves.
+    """
 
     mode: frame_pb2.AdvanceMode
     least: float
@@ -41,7 +45,7 @@ class Advance:
     layout: Layout
 
     def fraction(self, mesh: int) -> float | np.ndarray:
-        """How far a mesh went, in [0, 1]; of one whose vertices went each its own way (n,)."""
+        """Returns how far a mesh went, in [0, 1]: float64[n] if each vertex has a fraction of its own."""
         if self.mode == frame_pb2.ADVANCE_MODE_PER_MESH:
             return float(self.shortened.of(mesh, 1)[0])
         if self.mode == frame_pb2.ADVANCE_MODE_PER_VERTEX:
@@ -52,7 +56,10 @@ class Advance:
 
 def read_advance(head: frame_pb2.Frame, done: frame_pb2.FrameDone, messages: Sequence[frame_pb2.ShortenedWays],
                  layout: Layout) -> Advance | None:
-    """Of a frame that was answered with `messages` and `done`; None if it has no `advance`. layout: the frame's. Raises DataLoss."""
+    """Reads the answer to a frame: `messages`, and then `done`. Returns None for one without `advance`. Raises DataLoss.
+
+    head, layout: those of the frame.
+    """
     if done.HasField("shortened"):
         messages = [*messages, done.shortened]
     shortened = _joined(messages) if messages else Shortened()
@@ -63,6 +70,7 @@ def read_advance(head: frame_pb2.Frame, done: frame_pb2.FrameDone, messages: Seq
 
 
 def _most(head: frame_pb2.Frame, layout: Layout) -> tuple[int, str]:
+    """Returns how many ids there may be, and of what."""
     if head.advance_mode == frame_pb2.ADVANCE_MODE_PER_VERTEX:
         return int(layout.vertex_offsets[-1]), "vertices"
     return len(layout.meshes) if head.advance_mode == frame_pb2.ADVANCE_MODE_PER_MESH else 0, "meshes"

@@ -79,7 +79,7 @@ class Way(NamedTuple):
         return {i: self._between(self.start[i], end, fraction) for i, end in self.end.items()}
 
     def gone(self, advance: Advance) -> State:
-        """Where the scene is after an advance."""
+        """Returns where the scene is after an advance."""
         return {i: end if self.start[i] is end else self._between(self.start[i], end, advance.fraction(i))
                 for i, end in self.end.items()}
 

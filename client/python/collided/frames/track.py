@@ -151,7 +151,7 @@ class Track:
         return way
 
     def layout_of(self, request: Request) -> Layout:
-        """What the scene is made of in the first frame in flight."""
+        """Returns what the scene is made of in a frame, if that is the first in flight."""
         return self.layout if request.edit is None else request.edit.layout
 
     def _way_of(self, request: Request) -> Way:
