@@ -14,6 +14,7 @@ import (
 // seen is a frame's totals, and where the daemon has the vertices of mesh 1 after it.
 type seen struct {
 	done      *v1.FrameDone
+	shortened collided.Shortened
 	positions collided.Positions
 }
 
@@ -29,7 +30,7 @@ func whereTheDaemonHasThem(t *testing.T, spec *collided.SceneSpec, meshes []coll
 		output := detect(ctx, t, s, frame)
 		shown, err := watcher.Receive()
 		must(t, err)
-		out = append(out, seen{output.Done, shown.Positions[0].Positions})
+		out = append(out, seen{output.Done, output.Shortened, shown.Positions[0].Positions})
 	}
 	must(t, s.Finish(ctx))
 	return out
@@ -77,6 +78,32 @@ func TestMoveAlongGoesWhereTheDaemonGoes(t *testing.T) {
 	}
 	if a := asF64[3].done.GetAdvanced(); a <= 0 || a >= 1 {
 		t.Fatal(a, "tests no rounding")
+	}
+}
+
+func TestEachMeshAndVertexGoesWhereTheDaemonHasIt(t *testing.T) {
+	for _, mode := range []v1.AdvanceMode{collided.PerMesh, collided.PerVertex} {
+		x := tipAt(1.1)
+		frames := []collided.Frame{first(floor, x)}
+		for _, p := range steps(x) {
+			frames = append(frames, collided.Frame{Advance: true, AdvanceMode: mode, Updates: []collided.Update{{Mesh: 1, Positions: p}}})
+		}
+		there := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-3}, twoTriangles(), frames)
+		for i, p := range steps(x) {
+			shortened := there[i+1].shortened
+			if mode == collided.PerMesh {
+				must(t, collided.MoveAlong(x, p, shortened.Of(1, 1)[0]))
+			} else {
+				must(t, collided.MoveEachAlong(x, p, shortened.Of(3, 3)))
+			}
+			if !reflect.DeepEqual(there[i+1].positions, x) {
+				t.Fatal(mode, i, there[i+1].positions, x)
+			}
+		}
+		last := there[3]
+		if len(last.shortened.IDs) == 0 || !(last.done.GetAdvanced() < 1) || !(last.done.GetWay() >= last.done.GetAdvanced()) {
+			t.Fatal(last, "tests no rounding")
+		}
 	}
 }
 

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
+  AdvanceMode,
   type Client,
   Code,
   ContactField,
@@ -12,6 +13,7 @@ import {
   type SceneInput,
   contactPoints,
   elementKind,
+  fractionsOf,
   moveAlong,
   moveRigidly,
   packQuantized,
@@ -28,8 +30,8 @@ async function whereTheDaemonHasThem(client: Client, spec: SceneInput, frames: M
   const stream = await client.stream(scene);
   const seen = [];
   for (const [i, updates] of frames.entries()) {
-    const { done } = await stream.detect({ updates, ...(i > 0 ? options : {}) });
-    seen.push({ done, positions: (await watcher.receive()).positions[0].positions });
+    const { done, shortened } = await stream.detect({ updates, ...(i > 0 ? options : {}) });
+    seen.push({ done, shortened, positions: (await watcher.receive()).positions[0].positions });
   }
   await stream.finish();
   await client.deleteScene(scene);
@@ -58,6 +60,30 @@ for (const Type of [Float32Array, Float64Array]) {
     const advanced = seen.at(-1)!.done.advanced!;
     assert(advanced > 0 && advanced < 1, `${advanced} tests no rounding`);
   });
+
+  for (const advanceMode of [AdvanceMode.PER_MESH, AdvanceMode.PER_VERTEX]) {
+    test(`moveAlong goes where the daemon goes, ${AdvanceMode[advanceMode]} (${Type.name})`, async () => {
+      const positionFormat = Type === Float32Array ? PositionFormat.F32 : PositionFormat.F64;
+      const spec = { ...TWO_TRIANGLES, positionFormat, minSeparation: 1e-3 };
+      const x = Type.from(tipAt(1.1));
+      const steps = [0.3, 0.7, 1.9].map((drop, step) => x.map((c, i) => (i % 3 === 2 ? c - drop : c + 0.013 * (i + step))));
+      const first = [
+        { mesh: 0, positions: Type.from(FLOOR) },
+        { mesh: 1, positions: x.slice() },
+      ];
+      const frames = [first, ...steps.map((positions) => [{ mesh: 1, positions }])] as MeshUpdateInput[][];
+      const seen = await whereTheDaemonHasThem(used.client, spec, frames, { advance: true, advanceMode });
+      for (const [i, target] of steps.entries()) {
+        const { shortened, positions } = seen[i + 1];
+        const isMesh = advanceMode === AdvanceMode.PER_MESH;
+        const fraction = isMesh ? fractionsOf(shortened, 1, 1)[0] : fractionsOf(shortened, 3, 3);
+        moveAlong<Float32Array | Float64Array>(x, target, fraction);
+        assert.deepEqual(x, positions);
+      }
+      const { done, shortened } = seen.at(-1)!;
+      assert(shortened.ids.length > 0 && done.advanced! < 1 && done.way! >= done.advanced!, "tests no rounding");
+    });
+  }
 
   test(`moveAlong moves each vertex by a fraction of its own (${Type.name})`, () => {
     const fractions = Float64Array.of(1 / 3, 0, 1, 127 / 128, 1e-300, 0.7);
