@@ -260,7 +260,7 @@ func (c *Client) Detect(ctx context.Context, scene *Scene, frame Frame) (*Output
 	if err != nil {
 		return nil, err
 	}
-	output := &Output{FrameID: frame.ID}
+	output := &Output{FrameID: frame.ID, mode: frame.AdvanceMode}
 	if err := output.addAll(answer.Contacts); err != nil {
 		return nil, err
 	}

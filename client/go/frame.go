@@ -22,6 +22,9 @@ type Frame struct {
 	IgnoreSeparating bool
 	// Advance goes only as far as is certified; Done.Advanced tells how far, and MoveAlong moves your copy likewise.
 	Advance bool
+	// AdvanceMode is what goes its own fraction of the way, with Advance alone: the scene, or PerMesh, or PerVertex. How far each
+	// went is in Output.Shortened.
+	AdvanceMode v1.AdvanceMode
 	// Trial answers and leaves the scene as it was.
 	Trial bool
 	// FromLastFraction begins this far along the way of the last frame, in [0, 1].
@@ -55,6 +58,7 @@ func (f *Frame) message(format v1.PositionFormat) (*v1.Frame, error) {
 		Report:           f.Report,
 		IgnoreSeparating: f.IgnoreSeparating,
 		Advance:          f.Advance,
+		AdvanceMode:      f.AdvanceMode,
 		Trial:            f.Trial,
 		FromLastFraction: f.FromLastFraction,
 	}

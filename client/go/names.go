@@ -48,6 +48,13 @@ const (
 	ReportAnyHit       = v1.Report_REPORT_ANY_HIT
 )
 
+// Values of Frame.AdvanceMode.
+const (
+	AllOrOne  = v1.AdvanceMode_ADVANCE_MODE_ALL_OR_ONE
+	PerMesh   = v1.AdvanceMode_ADVANCE_MODE_PER_MESH
+	PerVertex = v1.AdvanceMode_ADVANCE_MODE_PER_VERTEX
+)
+
 // Values of SceneSpec.Kinds.
 const (
 	VertexTriangle   = v1.ContactKind_CONTACT_KIND_VERTEX_TRIANGLE

@@ -10,12 +10,16 @@ import (
 type Output struct {
 	ContactSet
 	FrameID uint64
+	// Shortened has how far each mesh, or vertex, went, in a frame with AdvanceMode PerMesh, or PerVertex.
+	Shortened Shortened
 	// Done has totals and metrics; nil if the frame was refused or skipped.
 	Done *v1.FrameDone
 	// Err is why the frame was refused; the scene is as it was, and a stream goes on.
 	Err error
 	// Skipped: a later frame replaced it (LATEST_WINS).
 	Skipped bool
+
+	mode v1.AdvanceMode // of the frame
 }
 
 // finish takes the last contacts and the totals.
@@ -26,8 +30,14 @@ func (o *Output) finish(done *v1.FrameDone) error {
 	if err := o.addAll(done.Contacts); err != nil {
 		return err
 	}
-	done.Contacts = nil
+	if err := o.Shortened.add(done.Shortened); err != nil {
+		return err
+	}
+	done.Contacts, done.Shortened = nil, nil
 	o.Done = done
+	if o.mode != PerMesh && o.mode != PerVertex {
+		return o.Shortened.checkBelow(0)
+	}
 	return nil
 }
 
@@ -39,10 +49,11 @@ const (
 	maxScenes = 1000000 // that a daemon can have
 )
 
-// sceneSize is how many vertices and elements a scene has.
-type sceneSize struct{ vertices, elements uint64 }
+// sceneSize is how many meshes, vertices and elements a scene has.
+type sceneSize struct{ meshes, vertices, elements uint64 }
 
 func sizeOf(spec *v1.SceneSpec) (size sceneSize) {
+	size.meshes = uint64(len(spec.GetMeshes()))
 	for _, mesh := range spec.GetMeshes() {
 		size.vertices += uint64(mesh.VertexCount)
 		size.elements += uint64(mesh.TriangleCount) + uint64(mesh.EdgeCount) + uint64(mesh.PointCount)
@@ -50,7 +61,7 @@ func sizeOf(spec *v1.SceneSpec) (size sceneSize) {
 	return size
 }
 
-// checkDone checks the times of a frame's end.
+// checkDone checks the times and fractions of a frame's end.
 func checkDone(done *v1.FrameDone) error {
 	if done == nil {
 		return failf(codes.DataLoss, "", "an answer has no `done`")
@@ -60,6 +71,9 @@ func checkDone(done *v1.FrameDone) error {
 	}
 	if !isFraction(done.GetAdvanced()) {
 		return failf(codes.DataLoss, "", "done.advanced is %v; it must be in [0, 1]", done.GetAdvanced())
+	}
+	if !isFraction(done.GetWay()) {
+		return failf(codes.DataLoss, "", "done.way is %v; it must be in [0, 1]", done.GetWay())
 	}
 	return nil
 }
@@ -86,18 +100,25 @@ func (c *Contacts) check(first int) error {
 	return nil
 }
 
-// checkIDs checks that the scene has what the contacts name. A size of 0 is not known.
-func (s *ContactSet) checkIDs(size sceneSize) error {
+// checkIDs checks that the scene has what the contacts and Shortened name. A size of 0 is not known.
+func (o *Output) checkIDs(size sceneSize) error {
 	if size.vertices == 0 {
 		return nil
+	}
+	most := size.vertices
+	if o.mode == PerMesh {
+		most = size.meshes
+	}
+	if err := o.Shortened.checkBelow(most); err != nil {
+		return err
 	}
 	for _, each := range []struct {
 		contacts      *Contacts
 		first, second uint64
 	}{
-		{&s.VertexTriangle, size.vertices, size.elements},
-		{&s.EdgeEdge, 3 * size.elements, 3 * size.elements}, // edges at most
-		{&s.TriangleTriangle, size.elements, size.elements},
+		{&o.VertexTriangle, size.vertices, size.elements},
+		{&o.EdgeEdge, 3 * size.elements, 3 * size.elements}, // edges at most
+		{&o.TriangleTriangle, size.elements, size.elements},
 	} {
 		for _, stencil := range each.contacts.Stencils {
 			for _, vertex := range stencil {

@@ -95,23 +95,47 @@ func MoveAlong[T Real](positions, target [][3]T, fraction float64) error {
 	if len(positions) != len(target) {
 		return invalidf("target", "has %d vertices, positions have %d", len(target), len(positions))
 	}
-	if !(fraction >= 0 && fraction <= 1) {
+	if !isFraction(fraction) {
 		return invalidf("fraction", "is %v; it must be from 0 to 1", fraction)
 	}
+	for i := range positions {
+		moveOneAlong(&positions[i], &target[i], fraction)
+	}
+	return nil
+}
+
+// MoveEachAlong moves each vertex in place by a fraction of its own, as MoveAlong does. Output.Shortened.Of has the fractions.
+// InvalidArgument if there are not as many of them and of target as of positions, or one is not from 0 to 1.
+func MoveEachAlong[T Real](positions, target [][3]T, fractions []float64) error {
+	if len(positions) != len(target) {
+		return invalidf("target", "has %d vertices, positions have %d", len(target), len(positions))
+	}
+	if len(positions) != len(fractions) {
+		return invalidf("fractions", "has %d numbers, positions have %d vertices", len(fractions), len(positions))
+	}
+	for i, fraction := range fractions {
+		if !isFraction(fraction) {
+			return invalidf(fmt.Sprintf("fractions[%d]", i), "is %v; it must be from 0 to 1", fraction)
+		}
+	}
+	for i, fraction := range fractions {
+		moveOneAlong(&positions[i], &target[i], fraction)
+	}
+	return nil
+}
+
+func moveOneAlong[T Real](position, target *[3]T, fraction float64) {
 	switch fraction {
 	case 0:
 	case 1:
-		copy(positions, target)
+		*position = *target
 	default:
-		for i := range positions {
-			for k := range positions[i] {
-				x := float64(positions[i][k])
-				// Without the conversions a compiler may fuse the operations, which rounds less often.
-				positions[i][k] = T(x + float64(fraction*float64(float64(target[i][k])-x)))
-			}
+		for k := range position {
+			x := float64(position[k])
+			// Without the conversions a compiler may fuse the operations, which rounds less often.
+			position[k] = T(x + float64(fraction*float64(float64(target[k])-x)))
 		}
 	}
-	return nil
 }
 
 // MoveRigidly moves the first positions of a rigid mesh in place to where the pose has them. Every bit is the daemon's;
@@ -121,7 +145,7 @@ func MoveRigidly[T Real](positions [][3]T, pose *Matrix) {
 		x, y, z := float64(positions[i][0]), float64(positions[i][1]), float64(positions[i][2])
 		for row := range positions[i] {
 			r := pose[4*row : 4*row+4]
-			// Not fused, as in MoveAlong.
+			// Not fused, as in moveOneAlong.
 			positions[i][row] = T(float64(float64(float64(r[0]*x)+float64(r[1]*y))+float64(r[2]*z)) + r[3])
 		}
 	}

@@ -354,7 +354,7 @@ func (s *Stream) book(request *v1.StreamFramesRequest, answer chan *Output) erro
 	if frame.FrameId > s.lastID { // else it is refused
 		s.lastID = frame.FrameId
 	}
-	s.inFlight = append(s.inFlight, &inFlight{&Output{FrameID: frame.FrameId}, answer})
+	s.inFlight = append(s.inFlight, &inFlight{&Output{FrameID: frame.FrameId, mode: frame.AdvanceMode}, answer})
 	return nil
 }
 
@@ -410,6 +410,8 @@ func (s *Stream) take(response *v1.StreamFramesResponse) error {
 	switch answer := response.Response.(type) {
 	case *v1.StreamFramesResponse_Contacts:
 		return output.add(answer.Contacts)
+	case *v1.StreamFramesResponse_Shortened:
+		return output.Shortened.add(answer.Shortened)
 	case *v1.StreamFramesResponse_Done:
 		if err := s.finishFrame(output, answer.Done); err != nil {
 			return err

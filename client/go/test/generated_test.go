@@ -4,6 +4,7 @@ import (
 	"os"
 	"os/exec"
 	"path/filepath"
+	"strings"
 	"testing"
 
 	"google.golang.org/protobuf/proto"
@@ -29,6 +30,9 @@ func TestTheGeneratedCodeIsThatOfTheProtocol(t *testing.T) {
 	var files descriptorpb.FileDescriptorSet
 	must(t, proto.Unmarshal(bytes, &files))
 	for _, want := range files.File {
+		if !strings.HasPrefix(want.GetName(), "collided/") {
+			continue // descriptor.proto, of which the compiler and the library have a version each
+		}
 		known, err := protoregistry.GlobalFiles.FindFileByPath(want.GetName())
 		must(t, err)
 		got := protodesc.ToFileDescriptorProto(known)

@@ -14,6 +14,7 @@ import (
 // seen is a frame's totals, and where the daemon has the vertices of mesh 1 after it.
 type seen struct {
 	done      *v1.FrameDone
+	shortened collided.Shortened
 	positions collided.Positions
 }
 
@@ -29,7 +30,7 @@ func whereTheDaemonHasThem(t *testing.T, spec *collided.SceneSpec, meshes []coll
 		output := detect(ctx, t, s, frame)
 		shown, err := watcher.Receive()
 		must(t, err)
-		out = append(out, seen{output.Done, shown.Positions[0].Positions})
+		out = append(out, seen{output.Done, output.Shortened, shown.Positions[0].Positions})
 	}
 	must(t, s.Finish(ctx))
 	return out
@@ -77,6 +78,75 @@ func TestMoveAlongGoesWhereTheDaemonGoes(t *testing.T) {
 	}
 	if a := asF64[3].done.GetAdvanced(); a <= 0 || a >= 1 {
 		t.Fatal(a, "tests no rounding")
+	}
+}
+
+func TestEachMeshAndVertexGoesWhereTheDaemonHasIt(t *testing.T) {
+	for _, mode := range []v1.AdvanceMode{collided.PerMesh, collided.PerVertex} {
+		x := tipAt(1.1)
+		frames := []collided.Frame{first(floor, x)}
+		for _, p := range steps(x) {
+			frames = append(frames, collided.Frame{Advance: true, AdvanceMode: mode, Updates: []collided.Update{{Mesh: 1, Positions: p}}})
+		}
+		there := whereTheDaemonHasThem(t, &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-3}, twoTriangles(), frames)
+		for i, p := range steps(x) {
+			shortened := there[i+1].shortened
+			if mode == collided.PerMesh {
+				must(t, collided.MoveAlong(x, p, shortened.Of(1, 1)[0]))
+			} else {
+				must(t, collided.MoveEachAlong(x, p, shortened.Of(3, 3)))
+			}
+			if !reflect.DeepEqual(there[i+1].positions, x) {
+				t.Fatal(mode, i, there[i+1].positions, x)
+			}
+		}
+		last := there[3]
+		if len(last.shortened.IDs) == 0 || !(last.done.GetAdvanced() < 1) || !(last.done.GetWay() >= last.done.GetAdvanced()) {
+			t.Fatal(last, "tests no rounding")
+		}
+	}
+}
+
+func TestEachVertexGoesItsOwnWay(t *testing.T) {
+	x, p := collided.F32{}, collided.F32{}
+	fractions := []float64{1.0 / 3, 0, 1, 127.0 / 128, 1e-300, 0.7}
+	for i := range fractions {
+		x = append(x, [3]float32{1.1 * float32(i), -7e5, 1e-6})
+		p = append(p, [3]float32{0.3 - float32(i), 2.0 / 3, 1e7})
+	}
+	x64, p64 := f64(x), f64(p)
+	var expected collided.F32
+	var expected64 collided.F64
+	for i, fraction := range fractions {
+		one, one64 := append(collided.F32{}, x[i]), append(collided.F64{}, x64[i])
+		must(t, collided.MoveAlong(one, p[i:i+1], fraction))
+		must(t, collided.MoveAlong(one64, p64[i:i+1], fraction))
+		expected, expected64 = append(expected, one...), append(expected64, one64...)
+	}
+	must(t, collided.MoveEachAlong(x, p, fractions))
+	must(t, collided.MoveEachAlong(x64, p64, fractions))
+	if !reflect.DeepEqual(x, expected) || !reflect.DeepEqual(x64, expected64) {
+		t.Fatal(x, expected, x64, expected64)
+	}
+}
+
+func TestHowFarEachWentIsOneUnlessItIsShortened(t *testing.T) {
+	shortened := collided.Shortened{IDs: []uint32{3, 4, 9, math.MaxUint32}, Fractions: []float64{0.5, 0, 0.25, 0.125}}
+	for _, c := range []struct {
+		shortened collided.Shortened
+		first     uint32
+		expected  []float64
+	}{
+		{shortened, 4, []float64{0, 1, 1, 1, 1, 0.25}},
+		{shortened, 0, []float64{1, 1, 1}},
+		{shortened, math.MaxUint32, []float64{0.125}},
+		{shortened, 10, []float64{1, 1}},
+		{shortened, 3, []float64{}},
+		{collided.Shortened{}, 0, []float64{1, 1}},
+	} {
+		if has := c.shortened.Of(c.first, len(c.expected)); !reflect.DeepEqual(has, c.expected) {
+			t.Fatal(c, has)
+		}
 	}
 }
 
@@ -139,6 +209,14 @@ func TestHelpersRefuseWhatTheyCannotDo(t *testing.T) {
 	refused(t, collided.MoveAlong(three, make([][3]float32, 2), 0.5), codes.InvalidArgument, "target", "has 2 vertices")
 	refused(t, collided.MoveAlong(three, three, math.NaN()), codes.InvalidArgument, "fraction", "from 0 to 1")
 	refused(t, collided.MoveAlong(three, three, 1.1), codes.InvalidArgument, "fraction", "is 1.1")
+	two := [][3]float32{{1, 2, 3}, {4, 5, 6}}
+	refused(t, collided.MoveEachAlong(two, three, []float64{0, 0}), codes.InvalidArgument, "target", "has 1 vertices")
+	refused(t, collided.MoveEachAlong(two, two, []float64{0}), codes.InvalidArgument, "fractions", "has 1 numbers, positions have 2")
+	refused(t, collided.MoveEachAlong(two, make([][3]float32, 2), []float64{0.5, math.NaN()}), codes.InvalidArgument, "fractions[1]", "is NaN; it must be from 0 to 1")
+	refused(t, collided.MoveEachAlong(two, make([][3]float32, 2), []float64{0.5, -0.1}), codes.InvalidArgument, "fractions[1]", "is -0.1")
+	if !reflect.DeepEqual(two, [][3]float32{{1, 2, 3}, {4, 5, 6}}) {
+		t.Fatal(two, "was moved by what was refused")
+	}
 }
 
 func TestContactPointsLieWhereTheConventionsSay(t *testing.T) {

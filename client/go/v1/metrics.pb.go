@@ -595,7 +595,7 @@ type FrameMetrics struct {
 	Replays uint32 `protobuf:"varint,6,opt,name=replays,proto3" json:"replays,omitempty"`
 	// Bytes of positions, indices and transforms received with the frame.
 	BytesIn uint64 `protobuf:"varint,7,opt,name=bytes_in,json=bytesIn,proto3" json:"bytes_in,omitempty"`
-	// Bytes of contact arrays sent back.
+	// Bytes of arrays sent back: of contacts, and of ShortenedWays.
 	BytesOut uint64 `protobuf:"varint,8,opt,name=bytes_out,json=bytesOut,proto3" json:"bytes_out,omitempty"`
 	// Conditions that the client should know about.
 	Warnings []FrameWarning `protobuf:"varint,9,rep,packed,name=warnings,proto3,enum=collided.v1.FrameWarning" json:"warnings,omitempty"`

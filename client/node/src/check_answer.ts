@@ -12,14 +12,15 @@ export const MOST_SCENES = 1_000_000;
 /** Contacts of chunks without any array, whose number nothing confirms. */
 const MOST_BARE = 1 << 24;
 
-/** How many vertices and elements a scene has. */
+/** How many meshes, vertices and elements a scene has. */
 export interface SceneSize {
+  meshes: number;
   vertices: number;
   elements: number;
 }
 
 export function sizeOf(spec: SceneSpec | undefined): SceneSize {
-  const size = { vertices: 0, elements: 0 };
+  const size = { meshes: spec?.meshes.length ?? 0, vertices: 0, elements: 0 };
   for (const mesh of spec?.meshes ?? []) {
     size.vertices += mesh.vertexCount;
     size.elements += mesh.triangleCount + mesh.edgeCount + mesh.pointCount;
@@ -37,11 +38,12 @@ export function sceneOf(answer: { scene?: Scene | undefined }): Scene {
   throw dataLoss("the daemon's answer has no scene");
 }
 
-/** Times of a frame's end. */
+/** Times and fractions of a frame's end. */
 export function checkDone(done: FrameDone | undefined): FrameDone {
   if (!done) throw dataLoss("an answer has no `done`");
   if (!isFraction(done.earliestToi)) throw dataLoss(`done.earliest_toi is ${done.earliestToi}; it must be in [0, 1]`);
   if (!isFraction(done.advanced ?? 0)) throw dataLoss(`done.advanced is ${done.advanced}; it must be in [0, 1]`);
+  if (!isFraction(done.way ?? 0)) throw dataLoss(`done.way is ${done.way}; it must be in [0, 1]`);
   return done;
 }
 

@@ -20,6 +20,7 @@ import { type MeshElements, readElements } from "./mesh_elements.js";
 import { FrameOutput } from "./output.js";
 import { type SceneInput, sceneSpec } from "./scene.js";
 import { Session, type SessionOptions } from "./session.js";
+import { checkShortened } from "./shortened.js";
 import { FrameStream, type StreamOptions, checkStreamOptions } from "./stream.js";
 import { takeLarge, uploadAll } from "./upload.js";
 import { type WatchOptions, Watcher, checkWatchOptions } from "./watcher.js";
@@ -156,6 +157,7 @@ export class Client {
     const done = checkDone(answer.done);
     const output = new FrameOutput(frameId, answer.contacts, { done });
     checkTotal(done, output);
+    checkShortened(output.shortened, request.frame!.advanceMode);
     return output;
   }
 

@@ -3,7 +3,7 @@
 import { type Indices, type Positions, type RigidMatrix, packIndices, packMatrix, packPositions } from "./arrays.js";
 import { type Rules, anything, boolean, check, checkValue, finite, join, list, oneOf, uint32, uint64 } from "./check.js";
 import { invalid } from "./errors.js";
-import { Frame, MeshUpdate } from "./generated/collided/v1/frame.js";
+import { AdvanceMode, Frame, MeshUpdate } from "./generated/collided/v1/frame.js";
 import { Accuracy, DetectionMode, type PositionFormat, Report, type SceneEdit } from "./generated/collided/v1/scene.js";
 import { type MeshInput, meshPairs, meshSpec } from "./scene.js";
 
@@ -55,6 +55,8 @@ export interface FrameInput {
   ignoreSeparating?: boolean;
   /** Go only as far as is certified; `done.advanced` tells how far, and moveAlong moves your copy likewise. */
   advance?: boolean;
+  /** What goes its own fraction of the way, with `advance` alone: the scene, or each mesh, or each vertex (`output.shortened`). */
+  advanceMode?: AdvanceMode;
   /** Answer, and leave the scene as it was. */
   trial?: boolean;
   /** Begin this far along the way of the last frame, in [0, 1]. */
@@ -71,6 +73,7 @@ const FRAME: Rules<FrameInput> = {
   report: oneOf({ Report }),
   ignoreSeparating: boolean,
   advance: boolean,
+  advanceMode: oneOf({ AdvanceMode }),
   trial: boolean,
   fromLastFraction: finite,
   edit: anything,

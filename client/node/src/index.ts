@@ -10,6 +10,7 @@ export type { MeshElements } from "./mesh_elements.js";
 export type { FrameInput, MeshEditInput, MeshUpdateInput, SceneEditInput } from "./frame.js";
 export type { Contact, Contacts, ContactsByKind } from "./contacts.js";
 export type { FrameOutput } from "./output.js";
+export { type Shortened, fractionsOf } from "./shortened.js";
 export type { FrameStream, StreamOptions } from "./stream.js";
 export type { Session, SessionOptions } from "./session.js";
 export type { SampledPositions, WatchOptions, WatchedFrame, Watcher } from "./watcher.js";
@@ -17,7 +18,7 @@ export { type ContactPoints, type ElementKind, contactPoints, elementKind } from
 export { type RealPositions, moveAlong, moveRigidly, packQuantized, unpackQuantized } from "./positions.js";
 
 export { ContactField, ContactFlag, ContactKind } from "./generated/collided/v1/contact.js";
-export type { FrameDone } from "./generated/collided/v1/frame.js";
+export { AdvanceMode, type FrameDone } from "./generated/collided/v1/frame.js";
 export type { FrameMetrics } from "./generated/collided/v1/metrics.js";
 export {
   Accuracy,

@@ -4,7 +4,8 @@ import { checkDone } from "./check_answer.js";
 import { type Contacts, type ContactsByKind, contactsOf } from "./contacts.js";
 import { Code, CollidedError } from "./errors.js";
 import type { ContactChunk } from "./generated/collided/v1/contact.js";
-import type { FrameDone } from "./generated/collided/v1/frame.js";
+import type { FrameDone, ShortenedWays } from "./generated/collided/v1/frame.js";
+import { type Shortened, shortenedOf } from "./shortened.js";
 
 /** How a frame ended: `done` with its totals, `error` if it was refused, neither if it was skipped (LATEST_WINS). */
 export interface FrameEnd {
@@ -17,6 +18,8 @@ export class FrameOutput implements ContactsByKind {
   readonly vertexTriangle: Contacts;
   readonly edgeEdge: Contacts;
   readonly triangleTriangle: Contacts;
+  /** How far each mesh, or vertex, went, in a frame with `advanceMode` PER_MESH, or PER_VERTEX. */
+  readonly shortened: Shortened;
   /** The frame was refused, and the scene is as it was; a stream goes on. */
   readonly error: CollidedError | undefined;
   /** A later frame replaced it (LATEST_WINS). */
@@ -27,16 +30,18 @@ export class FrameOutput implements ContactsByKind {
     readonly frameId: bigint,
     chunks: readonly ContactChunk[],
     { done, error }: FrameEnd,
+    ways: readonly ShortenedWays[] = [],
   ) {
     ({
       vertexTriangle: this.vertexTriangle,
       edgeEdge: this.edgeEdge,
       triangleTriangle: this.triangleTriangle,
     } = contactsOf([...chunks, ...(done?.contacts ?? [])]));
+    this.shortened = shortenedOf(done?.shortened ? [...ways, done.shortened] : ways);
     if (done) checkDone(done);
     this.error = error;
     this.skipped = !done && !error;
-    this.#done = done && { ...done, contacts: [] };
+    this.#done = done && { ...done, contacts: [], shortened: undefined };
   }
 
   /** Totals and metrics. Throws if the frame was refused or skipped. */

@@ -11,20 +11,35 @@ export type RealPositions = Float32Array | Float64Array;
 
 /**
  * Moves coordinates in place the fraction of the way to `target` that the daemon moved them: `done.advanced`, or a frame's
- * fromLastFraction. Storing into a Float32Array rounds, as the daemon does.
+ * fromLastFraction; or each vertex by a fraction of its own, as fractionsOf has them. Storing into a Float32Array rounds, as the
+ * daemon does.
  */
-export function moveAlong<T extends RealPositions>(positions: T, target: T, fraction: number): void {
+export function moveAlong<T extends RealPositions>(positions: T, target: T, fraction: number | Float64Array): void {
   checkReal(positions, "positions");
   if (target?.constructor !== positions.constructor || target.length !== positions.length) {
     const has = `${show(target)} of ${target?.length}`;
     throw invalid("target", `is ${has}; positions are ${show(positions)} of ${positions.length}`);
   }
-  if (!(fraction >= 0 && fraction <= 1)) throw invalid("fraction", `is ${show(fraction)}; it must be from 0 to 1`);
-  if (fraction === 1) return positions.set(target);
-  if (fraction === 0) return;
+  checkFractions(fraction, positions.length / 3);
   for (let i = 0; i < positions.length; ++i) {
-    positions[i] = positions[i] + fraction * (target[i] - positions[i]);
+    const a = typeof fraction === "number" ? fraction : fraction[Math.floor(i / 3)];
+    if (a === 1) positions[i] = target[i];
+    else if (a !== 0) positions[i] = positions[i] + a * (target[i] - positions[i]);
   }
+}
+
+function checkFractions(fraction: number | Float64Array, count: number): void {
+  const isBad = (a: number) => !(a >= 0 && a <= 1);
+  if (typeof fraction === "number") {
+    if (isBad(fraction)) throw invalid("fraction", `is ${fraction}; it must be from 0 to 1`);
+    return;
+  }
+  if (!(fraction instanceof Float64Array) || fraction.length !== count) {
+    const has = `${show(fraction)} of ${(fraction as Float64Array | undefined)?.length}`;
+    throw invalid("fraction", `is ${has}; it must be a number, or a Float64Array of ${count}`);
+  }
+  const bad = fraction.findIndex(isBad);
+  if (bad >= 0) throw invalid(`fraction[${bad}]`, `is ${fraction[bad]}; it must be from 0 to 1`);
 }
 
 /** Moves the first positions of a rigid mesh in place to where the pose `matrix` has them. */

@@ -2,7 +2,7 @@
 
 import type { ClientDuplexStream } from "@grpc/grpc-js";
 import { type Rules, check, oneOf, string, uint32 } from "./check.js";
-import { MOST_FRAMES, type SceneSize, checkIds, checkTotal, dataLoss, sceneOf, sizeOf } from "./check_answer.js";
+import { MOST_FRAMES, checkIds, checkTotal, dataLoss, sceneOf, sizeOf } from "./check_answer.js";
 import { type Connection, endOf, onceLate } from "./connection.js";
 import { Code, CollidedError, errorOfFrame } from "./errors.js";
 import { type FrameInput, frameIdOf, frameMessage } from "./frame.js";
@@ -13,8 +13,10 @@ import {
   type StreamFramesResponse,
 } from "./generated/collided/v1/collision_service.js";
 import type { ContactChunk } from "./generated/collided/v1/contact.js";
+import { AdvanceMode, type ShortenedWays } from "./generated/collided/v1/frame.js";
 import type { Scene } from "./generated/collided/v1/scene.js";
 import { type FrameEnd, FrameOutput } from "./output.js";
+import { checkShortened } from "./shortened.js";
 
 /** How a stream is opened. */
 export interface StreamOptions {
@@ -39,6 +41,8 @@ interface Taker {
 interface Unanswered extends Taker {
   id: bigint;
   chunks: ContactChunk[];
+  ways: ShortenedWays[];
+  mode: AdvanceMode;
 }
 
 /** Outputs come in the order of the frames. The stream has its own connection, and reads answers as they come. */
@@ -51,7 +55,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   readonly #ended: Promise<void>;
   readonly #asked: OpenStream;
   readonly #maySkip: boolean; // LATEST_WINS
-  #size: SceneSize = { vertices: 0, elements: 0 }; // as of the opening
+  #size = sizeOf(undefined); // as of the opening
   #hasEdits = false; // the scene may have another size by now
   #opened: StreamOpened | undefined;
   #isOpen = () => {};
@@ -203,7 +207,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     if (this.#end || this.#isFinishing) throw this.#whyEnded();
     if (input?.edit) this.#hasEdits = true;
     if (id > this.#lastId) this.#lastId = id; // else it is refused
-    this.#unanswered.push({ id, chunks: [], ...taker });
+    this.#unanswered.push({ id, chunks: [], ways: [], mode: input?.advanceMode ?? AdvanceMode.UNSPECIFIED, ...taker });
     this.#unsent += 1;
     if (this.#credits > 0) this.#credits -= 1;
     else await new Promise<void>((resolve) => this.#awaitingCredit.push(resolve));
@@ -232,6 +236,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
       if (!this.#opened) return this.#begin(response);
       if (response?.$case === "draining") this.#drainsAt = performance.now() + 1000 * response.value.deadlineSeconds;
       if (response?.$case === "contacts") this.#oldest(frameId).chunks.push(response.value);
+      if (response?.$case === "shortened") this.#oldest(frameId).ways.push(response.value);
       if (response?.$case === "done") this.#complete(frameId, { done: response.value });
       if (response?.$case === "error") this.#complete(frameId, { error: errorOfFrame(response.value) });
       if (response?.$case === "skipped" && this.#maySkip) return this.#complete(frameId, {});
@@ -251,9 +256,10 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   }
 
   #complete(frameId: bigint, end: FrameEnd): void {
-    const { chunks, give } = this.#oldest(frameId);
-    const output = new FrameOutput(frameId, chunks, end);
+    const { chunks, ways, mode, give } = this.#oldest(frameId);
+    const output = new FrameOutput(frameId, chunks, end, ways);
     if (end.done) checkTotal(end.done, output);
+    checkShortened(output.shortened, mode, this.#hasEdits ? undefined : this.#size);
     if (!this.#hasEdits) checkIds(output, this.#size);
     this.#unanswered.shift();
     const next = this.#awaitingCredit.shift();

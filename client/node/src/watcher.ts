@@ -6,10 +6,11 @@ import { checkIds, dataLoss, sizeOf } from "./check_answer.js";
 import { type Connection, endOf, onceLate } from "./connection.js";
 import { Code, CollidedError } from "./errors.js";
 import { type WatchOpened, WatchSceneRequest, type WatchSceneResponse } from "./generated/collided/v1/collision_service.js";
-import type { FrameDone } from "./generated/collided/v1/frame.js";
+import { AdvanceMode, type FrameDone } from "./generated/collided/v1/frame.js";
 import { PositionFormat, type Scene } from "./generated/collided/v1/scene.js";
 import { join } from "./arrays.js";
 import { FrameOutput } from "./output.js";
+import { checkShortened } from "./shortened.js";
 
 /** What a watcher sees, and how often. */
 export interface WatchOptions {
@@ -140,6 +141,7 @@ export class Watcher implements AsyncIterable<WatchedFrame> {
     if (response?.event?.$case === "done") {
       checkSamples(response, this.scene);
       const frame = new WatchedFrame(response, response.event.value, this.scene.spec!.positionFormat);
+      checkShortened(frame.shortened, AdvanceMode.UNSPECIFIED); // none are shown
       if (frame.editCount === this.scene.editCount) checkIds(frame, sizeOf(this.scene.spec));
       return frame;
     }

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
+  AdvanceMode,
   type Client,
   Code,
   ContactField,
@@ -12,6 +13,7 @@ import {
   type SceneInput,
   contactPoints,
   elementKind,
+  fractionsOf,
   moveAlong,
   moveRigidly,
   packQuantized,
@@ -28,8 +30,8 @@ async function whereTheDaemonHasThem(client: Client, spec: SceneInput, frames: M
   const stream = await client.stream(scene);
   const seen = [];
   for (const [i, updates] of frames.entries()) {
-    const { done } = await stream.detect({ updates, ...(i > 0 ? options : {}) });
-    seen.push({ done, positions: (await watcher.receive()).positions[0].positions });
+    const { done, shortened } = await stream.detect({ updates, ...(i > 0 ? options : {}) });
+    seen.push({ done, shortened, positions: (await watcher.receive()).positions[0].positions });
   }
   await stream.finish();
   await client.deleteScene(scene);
@@ -57,6 +59,44 @@ for (const Type of [Float32Array, Float64Array]) {
     }
     const advanced = seen.at(-1)!.done.advanced!;
     assert(advanced > 0 && advanced < 1, `${advanced} tests no rounding`);
+  });
+
+  for (const advanceMode of [AdvanceMode.PER_MESH, AdvanceMode.PER_VERTEX]) {
+    test(`moveAlong goes where the daemon goes, ${AdvanceMode[advanceMode]} (${Type.name})`, async () => {
+      const positionFormat = Type === Float32Array ? PositionFormat.F32 : PositionFormat.F64;
+      const spec = { ...TWO_TRIANGLES, positionFormat, minSeparation: 1e-3 };
+      const x = Type.from(tipAt(1.1));
+      const steps = [0.3, 0.7, 1.9].map((drop, step) => x.map((c, i) => (i % 3 === 2 ? c - drop : c + 0.013 * (i + step))));
+      const first = [
+        { mesh: 0, positions: Type.from(FLOOR) },
+        { mesh: 1, positions: x.slice() },
+      ];
+      const frames = [first, ...steps.map((positions) => [{ mesh: 1, positions }])] as MeshUpdateInput[][];
+      const seen = await whereTheDaemonHasThem(used.client, spec, frames, { advance: true, advanceMode });
+      for (const [i, target] of steps.entries()) {
+        const { shortened, positions } = seen[i + 1];
+        const isMesh = advanceMode === AdvanceMode.PER_MESH;
+        const fraction = isMesh ? fractionsOf(shortened, 1, 1)[0] : fractionsOf(shortened, 3, 3);
+        moveAlong<Float32Array | Float64Array>(x, target, fraction);
+        assert.deepEqual(x, positions);
+      }
+      const { done, shortened } = seen.at(-1)!;
+      assert(shortened.ids.length > 0 && done.advanced! < 1 && done.way! >= done.advanced!, "tests no rounding");
+    });
+  }
+
+  test(`moveAlong moves each vertex by a fraction of its own (${Type.name})`, () => {
+    const fractions = Float64Array.of(1 / 3, 0, 1, 127 / 128, 1e-300, 0.7);
+    const x = new Type(18).map((_, i) => [1.1 * i, -7e5, 1e-6][i % 3]);
+    const p = new Type(18).map((_, i) => [0.3 - i, 2 / 3, 1e7][i % 3]);
+    const expected = x.slice();
+    fractions.forEach((fraction, i) => {
+      const [from, to] = [expected, p].map((all) => all.subarray(3 * i, 3 * i + 3));
+      moveAlong<Float32Array | Float64Array>(from, to, fraction);
+    });
+    moveAlong<Float32Array | Float64Array>(x, p, fractions);
+    assert.deepEqual(x, expected);
+    assert.deepEqual([x.subarray(3, 6), x.subarray(6, 9)], [Type.of(1.1 * 3, -7e5, 1e-6), p.subarray(6, 9)]);
   });
 
   test(`moveRigidly goes where the daemon goes, to the last bit (${Type.name})`, async () => {
@@ -108,6 +148,14 @@ test("helpers refuse what they cannot do", async () => {
   await refused(() => moveAlong(three, new Float32Array(6), 0.5), Code.INVALID_ARGUMENT, "target");
   await refused(() => moveAlong(three, new Float64Array(3) as never, 0.5), Code.INVALID_ARGUMENT, "target");
   await refused(() => moveAlong(three, three, NaN), Code.INVALID_ARGUMENT, "fraction", /is NaN; it must be from 0 to 1/);
+  const [from, to] = [new Float32Array(6), new Float32Array(6).fill(1)];
+  const each = (...fractions: number[]) => moveAlong(from, to, Float64Array.from(fractions));
+  await refused(() => each(0.5), Code.INVALID_ARGUMENT, "fraction", /a Float64Array of 1; it must be a number, or a Float64Array of 2/);
+  await refused(() => each(0.5, NaN), Code.INVALID_ARGUMENT, "fraction[1]", /is NaN; it must be from 0 to 1/);
+  await refused(() => each(0.5, 1.5), Code.INVALID_ARGUMENT, "fraction[1]", /is 1.5/);
+  await refused(() => moveAlong(from, to, [0, 0] as never), Code.INVALID_ARGUMENT, "fraction", /an array of 2/);
+  await refused(() => moveAlong(from, to, undefined as never), Code.INVALID_ARGUMENT, "fraction", /is undefined/);
+  assert.deepEqual(from, new Float32Array(6));
   await refused(() => moveAlong([1, 2, 3] as never, three, 0), Code.INVALID_ARGUMENT, "positions");
   await refused(() => moveRigidly(three, [1]), Code.INVALID_ARGUMENT, "matrix", /12 finite numbers/);
 });

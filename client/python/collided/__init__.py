@@ -20,6 +20,7 @@ from collided.detection import detect, proximity
 from collided.errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceeded, Error, FailedPrecondition,
                              Internal, InvalidArgument, NotFound, PermissionDenied, ResourceExhausted, Unauthenticated,
                              Unavailable, Unimplemented)
+from collided.frames.advance import Shortened
 from collided.frames.edit import Edit
 from collided.frames.options import FrameOptions
 from collided.frames.updates import Rigid, Sparse
@@ -34,7 +35,7 @@ __version__ = "0.1.0"
 __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
            "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Flag", "FrameOptions", "Internal",
            "InvalidArgument", "Mesh", "MeshElements", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted",
-           "Rigid", "Scene", "SceneBatch", "SceneOptions", "Session", "Sparse", "Unauthenticated", "Unavailable",
+           "Rigid", "Scene", "SceneBatch", "SceneOptions", "Session", "Shortened", "Sparse", "Unauthenticated", "Unavailable",
            "Unimplemented", "Watched", "Watcher", "WorldContacts", "detect", "move_along", "move_rigidly",
            "pack_quantized", "proximity",
            "unpack_quantized"]

@@ -12,15 +12,23 @@ def choice(enum: Any, prefix: str, value: str | int | None, argument: str) -> An
     """The value of `enum` that a word such as "certified" names; 0 for None. Numbers of the protocol are kept."""
     if value is None:
         return 0
-    words = {name.removeprefix(prefix).lower(): number for name, number in enum.items()}
+    words = _words(enum, prefix)
     if isinstance(value, str):
         known = words.get(value.lower().replace("-", "_"))
         if known:
             return known
     elif not isinstance(value, bool) and isinstance(value, numbers.Integral) and value in words.values():
         return int(value)
-    usable = ", ".join(word for word, number in words.items() if number)
-    raise InvalidArgument(f"{argument} is {value!r}; it must be one of {usable}", field=argument)
+    raise InvalidArgument(f"{argument} is {value!r}; it must be one of {usable(enum, prefix)}", field=argument)
+
+
+def usable(enum: Any, prefix: str) -> str:
+    """All words that name a value."""
+    return ", ".join(word for word, number in _words(enum, prefix).items() if number)
+
+
+def _words(enum: Any, prefix: str) -> dict[str, int]:
+    return {name.removeprefix(prefix).lower(): number for name, number in enum.items()}
 
 
 def check_flag(value: Any, argument: str) -> bool:

@@ -72,20 +72,27 @@ def unpack_quantized(encoded: np.ndarray, box: Box) -> np.ndarray:
     return (np.array(box.lower) + encoded.astype("<f8") * box.step).astype("<f4")
 
 
-def move_along(positions: np.ndarray, target: np.ndarray, fraction: float) -> np.ndarray:
+def move_along(positions: np.ndarray, target: np.ndarray, fraction: float | np.ndarray) -> np.ndarray:
     """Where the daemon is after it went `fraction` (0 to 1) of the way from `positions` to `target`, in their dtype.
 
-    fraction: `Contacts.advanced`, or a frame's `from_last_fraction`.
+    fraction: `Contacts.advanced`, or a frame's `from_last_fraction`; or (n,), one for each of n positions: those of an advance
+        per vertex or per mesh, as `Contacts.fractions` has them.
     """
     x, p = numbers(positions, "positions"), numbers(target, "target")
     if x.shape != p.shape:
         raise InvalidArgument(f"target has shape {p.shape}, positions have {x.shape}", field="target")
-    if not 0 <= fraction <= 1:
-        raise InvalidArgument(f"fraction is {fraction!r}; it must be from 0 to 1", field="fraction")
-    if fraction in (0, 1):
-        return (p if fraction else x).astype(x.dtype)
-    x64 = x.astype("<f8")
-    return (x64 + fraction * (p.astype("<f8") - x64)).astype(x.dtype)
+    a = numbers(fraction, "fraction").astype("<f8")
+    if a.ndim and a.shape != x.shape[:1]:
+        raise InvalidArgument(f"fraction has shape {a.shape}; it must be one number, or {x.shape[:1]}", field="fraction")
+    bad = np.flatnonzero(~((a >= 0) & (a <= 1)))
+    if bad.size:
+        where = f"fraction[{bad[0]}]" if a.ndim else "fraction"
+        raise InvalidArgument(f"{where} is {float(a.flat[bad[0]])!r}; it must be from 0 to 1", field="fraction")
+    if a.ndim == 0 and a in (0, 1):
+        return (p if a else x).astype(x.dtype)
+    x64, a = x.astype("<f8"), a.reshape(-1, 1) if a.ndim else a
+    between = (x64 + a * (p.astype("<f8") - x64)).astype(x.dtype)
+    return np.where(a == 0, x, np.where(a == 1, p, between)).astype(x.dtype) if a.ndim else between
 
 
 def move_rigidly(positions: np.ndarray, transform: Any) -> np.ndarray:

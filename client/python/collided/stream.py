@@ -16,6 +16,7 @@ from collided.contacts.columns import Part, read_chunk
 from collided.contacts.contacts import Contacts
 from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, NotFound, ResourceExhausted, Unavailable,
                              Unimplemented, error_of_frame)
+from collided.frames.advance import read_advance
 from collided.frames.state import State
 from collided.frames.track import NOWHERE, Request
 from collided.guard import Guard
@@ -44,6 +45,7 @@ class _Pending:
     request: Request
     wire_id: int = 0
     parts: list[Part] = field(default_factory=list)
+    shortened: list[frame_pb2.ShortenedWays] = field(default_factory=list)
     response: api.StreamFramesResponse | None = None
 
 
@@ -60,7 +62,7 @@ class Stream:
         self._transport: Transport | None = None
         self._pending: deque[_Pending] = deque()
         self._has_answered = False  # the current transport
-        self._kinds = {"contacts", "done", "error"} | ({"skipped"} if options.delivery == _LATEST_WINS else set())
+        self._kinds = {"contacts", "shortened", "done", "error"} | ({"skipped"} if options.delivery == _LATEST_WINS else set())
         self._unused: set[str] = set()  # options that were warned of
         self._failure: Error | None = None  # why no other one will be opened
         self.ready: deque[Contacts | Error] = deque()
@@ -273,6 +275,7 @@ class Stream:
         self._scene.client.check_known(request.head, "frame")
         pending.wire_id = self._track.next_id()
         pending.parts.clear()
+        pending.shortened.clear()
         request.updates, request.way = self._transport.send(pending.wire_id, request.head, request.updates), None
         if pending is self._pending[0]:
             self._track.foresee(request)
@@ -293,6 +296,9 @@ class Stream:
             raise DataLoss(f"the daemon answers frame {response.frame_id} with {kind!r}, which is no answer of this stream")
         if kind == "contacts":
             pending.parts.append(read_chunk(response.contacts, self._transport.shared))
+            return
+        if kind == "shortened":
+            pending.shortened.append(response.shortened)
             return
         if kind == "done" and (chunks := response.done.contacts):
             pending.parts += [read_chunk(chunk, self._transport.shared) for chunk in chunks]
@@ -323,8 +329,9 @@ class Stream:
         check_done(done)
         check_total(done, pending.parts)
         self._warn_of_unused(done.metrics.unused_options)
-        way = self._track.apply(pending.request, done, pending.wire_id)
-        answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head))
+        advance = read_advance(head, done, pending.shortened, self._track.layout_of(pending.request))
+        way = self._track.apply(pending.request, advance, pending.wire_id)
+        answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head), advance=advance)
         return Contacts.of_parts(answer, pending.parts)
 
     def _warn_of_unused(self, options: Iterable[str]) -> None:
@@ -355,7 +362,7 @@ class Stream:
             if kind == "done":
                 check_done(response.done)
                 if request.is_counted:
-                    self._track.apply(request, response.done, wire_id)
+                    self._track.apply(request, None, wire_id)
                 return wire_id
 
     def _read_own(self, deadline: float) -> api.StreamFramesResponse:

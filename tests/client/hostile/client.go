@@ -25,7 +25,7 @@ var (
 	updates   = []collided.Update{{Mesh: 0, Positions: floor}, {Mesh: 1, Positions: tip}}
 	ctx       = context.Background()
 	scenarios = map[string]func(*collided.Client) error{
-		"stream": stream, "session": session, "call": call, "watch": watch, "mesh": mesh, "list": list}
+		"stream": stream, "advance": advance, "session": session, "call": call, "watch": watch, "mesh": mesh, "list": list}
 )
 
 func spec() *collided.SceneSpec {
@@ -57,6 +57,39 @@ func stream(client *collided.Client) error {
 		if output.Err != nil {
 			return output.Err
 		}
+	}
+	return stream.Finish(ctx)
+}
+
+func advance(client *collided.Client) error {
+	scene, err := client.CreateScene(ctx, spec(), meshes, 0)
+	if err != nil {
+		return err
+	}
+	stream, err := client.Stream(ctx, scene, collided.StreamOptions{})
+	if err != nil {
+		return err
+	}
+	defer stream.Close()
+	if _, err := stream.Detect(ctx, collided.Frame{Updates: updates}); err != nil {
+		return err
+	}
+	x, target := append(collided.F32{}, tip...), append(collided.F32{}, tip...)
+	for i := range target {
+		target[i][2] -= 2
+	}
+	output, err := stream.Detect(ctx, collided.Frame{Advance: true, AdvanceMode: collided.PerVertex,
+		Updates: []collided.Update{{Mesh: 1, Positions: target}}})
+	if err != nil {
+		return err
+	}
+	if err := collided.MoveEachAlong(x, target, output.Shortened.Of(3, len(x))); err != nil {
+		return err
+	}
+	done, shortened := output.Done, output.Shortened
+	has := fmt.Sprint(done.GetAdvanced(), done.GetWay(), shortened.IDs, shortened.Fractions, x[0][2], x[1][2], x[2][2])
+	if has != "0.25 0.75 [3 4] [0.25 0.5] 0.5 8 7" {
+		return errors.New(has)
 	}
 	return stream.Finish(ctx)
 }

@@ -8,7 +8,8 @@ import { pathToFileURL } from "node:url";
 
 const [, , folder, limit] = process.argv;
 const SECONDS = Number(limit);
-const { Code, CollidedError, DetectionMode, connect } = await import(pathToFileURL(join(folder, "dist", "src", "index.js")).href);
+const PACKAGE = pathToFileURL(join(folder, "dist", "src", "index.js")).href;
+const { AdvanceMode, Code, CollidedError, DetectionMode, connect, fractionsOf, moveAlong } = await import(PACKAGE);
 
 const ONE = Uint32Array.of(0, 1, 2);
 const INPUT = {
@@ -38,6 +39,22 @@ const SCENARIOS = {
       await stream.send(FRAME);
       await stream.send(FRAME);
       for (let frame = 0; frame < 2; ++frame) (await within(stream.receive(), SECONDS)).check();
+      await stream.finish();
+    } finally {
+      stream.cancel();
+    }
+  },
+  async advance(client) {
+    const stream = await client.stream(await client.createScene(INPUT));
+    try {
+      await stream.detect(FRAME);
+      const x = FRAME.updates[1].positions.slice();
+      const target = x.map((c, i) => (i % 3 === 2 ? c - 2 : c));
+      const frame = { updates: [{ mesh: 1, positions: target }], advance: true, advanceMode: AdvanceMode.PER_VERTEX };
+      const { done, shortened } = await stream.detect(frame);
+      moveAlong(x, target, fractionsOf(shortened, 3, 3));
+      const has = JSON.stringify([done.advanced, done.way, [...shortened.ids], [...shortened.fractions], x[2], x[5], x[8]]);
+      if (has !== "[0.25,0.75,[3,4],[0.25,0.5],0.5,8,7]") throw new Error(has);
       await stream.finish();
     } finally {
       stream.cancel();

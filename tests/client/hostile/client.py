@@ -32,6 +32,17 @@ def stream(client, transport="grpc"):
             assert contacts.meshes.tolist() == [[1, 0]], contacts.meshes
 
 
+def advance(client):
+    with collided.Session(meshes(), server=client, transport="grpc", reconnect_seconds=SECONDS) as session:
+        session.step({"floor": FLOOR, "tip": TIP})
+        target = TIP - np.float32([0, 0, 2])
+        contacts = session.step({"tip": target}, advance="per_vertex")
+        assert (contacts.advanced, contacts.way) == (0.25, 0.75)
+        assert (contacts.shortened.ids.tolist(), contacts.shortened.fractions.tolist()) == ([3, 4], [0.25, 0.5])
+        gone = collided.move_along(TIP, target, contacts.fractions("tip"))
+        assert gone[:, 2].tolist() == session.positions["tip"][:, 2].tolist() == [0.5, 8, 7]
+
+
 def timeouts(client):
     """The last error, if none took much longer than the call's timeout, which is far below the client's deadline."""
     client = collided.Client(client.address, token=client.options.token)
@@ -66,8 +77,8 @@ def mesh(client):
     client.get_mesh(scene.scene_id, 0)
 
 
-SCENARIOS = {"stream": stream, "call": lambda client: stream(client, "calls"), "watch": watch, "timeouts": timeouts,
-             "set": batch, "local": lambda client: stream(client, "shared_memory"), "mesh": mesh,
+SCENARIOS = {"stream": stream, "advance": advance, "call": lambda client: stream(client, "calls"), "watch": watch,
+             "timeouts": timeouts, "set": batch, "local": lambda client: stream(client, "shared_memory"), "mesh": mesh,
              "list": lambda client: client.scenes()}
 
 

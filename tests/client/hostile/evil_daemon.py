@@ -411,6 +411,68 @@ class NoInfo(OfWaits):
         return info
 
 
+# Advances.
+
+
+class OfAdvances(Honest):
+    """Answers a frame that advances per vertex. ways: what each message says was shortened; the last one is `done`."""
+
+    scenarios, expected = ("advance",), {LOST}
+    ways = (((3, 0.25),), ((4, 0.5),))
+
+    def info(self, info):
+        info.features.append("collided.v1.Frame.advance_mode")
+        return info
+
+    def frame(self, frame_id):
+        if frame_id == 1:
+            return (yield answer(frame_id))
+        *messages, last = map(self.shortened, self.ways)
+        for message in messages:
+            yield api.StreamFramesResponse(frame_id=frame_id, shortened=message)
+        yield answer(frame_id, advanced=0.25, way=0.75, shortened=last)
+
+    def shortened(self, ways):
+        ids, fractions = zip(*ways)
+        return frame_pb2.ShortenedWays(ids=unpacked(len(ids), *ids), fractions=unpacked(len(ids), *fractions, kind="d"))
+
+
+class HonestAdvance(OfAdvances):
+    expected = {"ok"}
+
+
+class HonestAdvanceInOneMessage(HonestAdvance):
+    ways = (((3, 0.25), (4, 0.5)),)
+
+
+class AdvanceOfAnOlderDaemon(OfAdvances):
+    expected = {"UNIMPLEMENTED"}
+
+    def info(self, info):
+        return info
+
+
+class ShortenedUnknownVertex(OfAdvances):
+    ways = (((3, 0.25), (6, 0.5)),)
+
+
+class ShortenedTwice(OfAdvances):
+    ways = (((3, 0.25),), ((3, 0.25),))
+
+
+class ShortenedByNothing(OfAdvances):
+    ways = (((3, 0.25),), ((4, 1.0),))
+
+
+class ShortenedByWhatIsNone(OfAdvances):
+    ways = (((3, 0.25),), ((4, float("nan")),))
+
+
+class ShortenedWithoutFractions(OfAdvances):
+    def shortened(self, ways):
+        return frame_pb2.ShortenedWays(ids=super().shortened(ways).ids)
+
+
 # Pages.
 
 

@@ -38,6 +38,17 @@ class SameBits(unittest.TestCase):
                 expected = in_cpp([name, "along", repr(fraction)], x, p)
                 np.testing.assert_array_equal(ours.astype("<f8"), expected, f"{name}, {fraction}")
 
+    def test_the_ways_of_an_advance_per_vertex(self):
+        fractions = (0.0, 1.0, 0.5, 1 / 3, 0.9999999999, 1e-300, 127 / 128)
+        for name, dtype in DTYPES.items():
+            x, p = random_positions(dtype), random_positions(dtype)[::-1]
+            each = np.random.default_rng(11).integers(0, len(fractions), len(x))
+            ours = collided.move_along(x, p, np.array(fractions)[each])
+            self.assertEqual(ours.dtype, np.dtype(dtype))
+            for i, fraction in enumerate(fractions):
+                expected = in_cpp([name, "along", repr(fraction)], x, p)
+                np.testing.assert_array_equal(ours.astype("<f8")[each == i], expected[each == i], f"{name}, {fraction}")
+
     def test_a_rigid_meshs_pose(self):
         angle = 0.7
         turn = [[np.cos(angle), -np.sin(angle), 0, 1e-3], [np.sin(angle), np.cos(angle), 0, -7], [0, 0, 1, 1e5]]
@@ -71,6 +82,12 @@ class SameBits(unittest.TestCase):
         x = np.zeros((2, 3))
         for bad in (-0.1, 1.5, np.nan):
             with self.assertRaisesRegex(ValueError, "fraction is"):
+                collided.move_along(x, x, bad)
+        for bad in (-0.1, 1.5, np.nan):
+            with self.assertRaisesRegex(ValueError, r"fraction\[1\] is .*; it must be from 0 to 1"):
+                collided.move_along(x, x, [0.5, bad])
+        for bad in ([0.5], [0.5] * 3, [[0.5, 0.5]], [[0.5], [0.5]]):
+            with self.assertRaisesRegex(ValueError, r"fraction has shape .*; it must be one number, or \(2,\)"):
                 collided.move_along(x, x, bad)
         with self.assertRaisesRegex(ValueError, "target has shape"):
             collided.move_along(x, x[:1], 0.5)

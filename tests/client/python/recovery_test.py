@@ -109,6 +109,30 @@ class Killed(unittest.TestCase):
                     self.expect_the_unbroken_run(answers, expected)
                     session.close()
 
+    def test_where_each_mesh_and_vertex_went_is_known_to_a_new_scene(self):
+        fall = np.float32([0, 0, -2])
+        stone, free = TIP + np.float32([1, 0, 0]), TIP + np.float32([100, 0, 0])
+
+        def run(mode, is_lost):
+            made = {**meshes(), "stone": collided.Mesh(stone, ONE, motion="rigid"), "free": collided.Mesh(free, ONE)}
+            session = collided.Session(made, server=self.daemon.address, min_separation=0.01)
+            self.addCleanup(session.close)
+            down = collided.Rigid(np.hstack([np.eye(3), fall[:, None]]))
+            answers = [session.step({"tip": TIP + fall, "stone": down, "free": free + fall}, advance=mode)]
+            if is_lost:
+                self.daemon.kill()
+            answers += [session.step(from_last_fraction=0.5), session.step({"tip": TIP + 2 * fall, "free": free})]
+            self.assertEqual(session.recreations, int(is_lost))
+            return answers, session.positions
+
+        for mode in ("per_mesh", "per_vertex"):
+            (answers, positions), (expected, wanted) = run(mode, True), run(mode, False)
+            self.assertTrue(answers[0].advanced < 1 == answers[0].fractions("free").min())
+            for answer, other in zip(answers, expected):
+                assert_same(self, answer, other)
+            for name in wanted:
+                np.testing.assert_array_equal(positions[name], wanted[name])
+
     def test_rest_pairs_stay_those_of_the_beginning(self):
         def run(kill_at):
             meshes = scene(exclude_rest_pairs=True)

@@ -164,6 +164,30 @@ class Sessions(Case):
             self.assertEqual(len(again), 0)
             self.assertEqual(session.step(advance=True).advanced, 1)
 
+    def test_an_advance_per_mesh_or_vertex_goes_to_the_daemons_bits(self):
+        beside, fall = TIP + np.float32([100, 0, 0]), np.float32([0, 0, -2])
+        for motion in ("deformable", "rigid"):
+            for mode in ("per_mesh", "per_vertex"):
+                with self.subTest(motion=motion, mode=mode):
+                    session = self.session({**meshes(motion=motion), "free": (beside, ONE)}, min_separation=0.01)
+                    down = collided.Rigid(np.hstack([np.eye(3), fall[:, None]])) if motion == "rigid" else TIP + fall
+                    gone = session.step({"tip": down, "free": beside + fall}, advance=mode)
+                    tip, free = gone.fractions("tip"), gone.fractions("free")
+                    self.assertTrue(0.4 < tip[0] == tip.min() == gone.advanced < 0.5)
+                    self.assertEqual(free.tolist(), [1, 1, 1])
+                    if motion == "rigid" or mode == "per_mesh":
+                        self.assertEqual(tip.tolist(), [tip[0]] * 3)
+                    self.assertAlmostEqual(gone.way, np.mean([*tip, *free]), delta=2**-20)
+                    np.testing.assert_array_equal(session.positions["free"], beside + fall)
+                    if motion == "deformable":
+                        np.testing.assert_array_equal(session.positions["tip"], collided.move_along(TIP, TIP + fall, tip))
+                    with session.scene.watch(meshes=["tip", "free"]) as watcher:
+                        session.step()
+                        seen = watcher.receive(timeout=30).positions
+                    for name, positions in seen.items():
+                        np.testing.assert_array_equal(session.positions[name], positions)
+                    session.close()
+
     def test_trials_leave_the_scene_and_fractions_go_on_along_them(self):
         session = self.session()
         tried = session.step({"tip": lowered(2)}, trial=True)

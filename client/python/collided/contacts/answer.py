@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from collided.frames.advance import Advance
 from collided.frames.state import State, Way
 from collided.layout import Layout
 from collided.v1 import frame_pb2
@@ -15,7 +16,7 @@ from collided.v1 import frame_pb2
 @dataclass(eq=False)
 class Answer:
     """The end of a frame. way: None where the client does not know the positions, as of a frame that it watches. has_layout:
-    the layout is the frame's, and not that of a later edit."""
+    the layout is the frame's, and not that of a later edit. advance: how far meshes went; None where they went all of their ways."""
 
     frame_id: int
     wire_id: int
@@ -25,6 +26,7 @@ class Answer:
     has_motion: bool
     is_skipped: bool = False
     has_layout: bool = True
+    advance: Advance | None = None
 
     @cached_property
     def starts(self) -> np.ndarray:

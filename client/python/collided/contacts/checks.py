@@ -26,8 +26,8 @@ def check_chunk(chunk: contact_pb2.ContactChunk) -> None:
 
 
 def check_done(done: frame_pb2.FrameDone) -> None:
-    """Times of a frame's end. Raises DataLoss."""
-    for name in ("earliest_toi", "advanced"):
+    """Times and fractions of a frame's end. Raises DataLoss."""
+    for name in ("earliest_toi", "advanced", "way"):
         value = getattr(done, name)
         if not 0 <= value <= 1:
             raise DataLoss(f"done.{name} is {value}; it must be in [0, 1]")

@@ -16,6 +16,7 @@ from collided.contacts.columns import Part, joined
 from collided.contacts.geometry import closest_points, meshes_of
 from collided.contacts.tables import dataframe, records
 from collided.errors import FailedPrecondition, InvalidArgument
+from collided.frames.advance import Shortened
 from collided.kinds import KINDS, HasKinds, Kind
 from collided.v1 import contact_pb2, metrics_pb2
 
@@ -90,8 +91,30 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
 
     @property
     def advanced(self) -> float | None:
-        """How far the scene went, in [0, 1], in a frame with `advance`; else None."""
+        """How far the scene went, in [0, 1], in a frame with `advance`; else None. It is the least fraction of anything that moves."""
         return self.answer.done.advanced if self.answer.done.HasField("advanced") else None
+
+    @property
+    def way(self) -> float | None:
+        """The share of the motion that was gone, in [0, 1], in a frame with `advance`; else None. It divides the summed lengths of
+        the ways that vertices went by those of their whole ways."""
+        return self.answer.done.way if self.answer.done.HasField("way") else None
+
+    @property
+    def shortened(self) -> Shortened:
+        """Lists what did not go all of its way in a frame with `advance="per_mesh"` or `"per_vertex"`. Frames that are watched have
+        none."""
+        return Shortened() if self.answer.advance is None else self.answer.advance.shortened
+
+    def fractions(self, mesh: str | int) -> np.ndarray:
+        """float64[n]: how far each vertex of a mesh went, in [0, 1], in a frame with `advance`. `move_along` takes it.
+
+        Raises FailedPrecondition for a frame without `advance`, and for one that is watched."""
+        if self.answer.advance is None:
+            raise FailedPrecondition(f"frame {self.frame_id} has no fractions: it was sent without advance, or is watched",
+                                     field="advance")
+        index = self.answer.layout.index(mesh)
+        return np.full(self.answer.layout.mesh(index).vertex_count, self.answer.advance.fraction(index))
 
     @property
     def metrics(self) -> metrics_pb2.FrameMetrics:

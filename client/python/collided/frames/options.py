@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 
-from collided.choices import check_flag, choice
+from collided.choices import check_flag, choice, usable
 from collided.errors import InvalidArgument
 from collided.frames.edit import Edit
 from collided.options import check_length
@@ -19,7 +19,8 @@ class FrameOptions(TypedDict, total=False):
     mode: "dcd" or "ccd", in scenes of "dcd_and_ccd".
     accuracy, delta, report: as in SceneOptions, for this frame.
     ignore_separating: leave features that rest on each other out of `earliest_toi` and the reports of one contact.
-    advance: go only as far towards the positions as is certified to be free of contact; `Contacts.advanced` tells how far.
+    advance: go only as far towards the positions as is certified; `Contacts.advanced` tells how far. True or "all_or_one": the
+        scene goes one fraction of the way; "per_mesh": each mesh its own; "per_vertex": each vertex, but rigid meshes as a whole.
     trial: answer, and leave the scene where it was.
     from_last_fraction: begin so far along the way of the last frame, in [0, 1].
     edit: changes of what the scene is made of.
@@ -30,7 +31,7 @@ class FrameOptions(TypedDict, total=False):
     delta: float | None
     report: str | None
     ignore_separating: bool
-    advance: bool
+    advance: bool | str
     trial: bool
     from_last_fraction: float | None
     edit: Edit | None
@@ -39,6 +40,18 @@ class FrameOptions(TypedDict, total=False):
 def _flag(options: FrameOptions, name: str) -> bool:
     value = options.get(name)
     return value is not None and check_flag(value, name)
+
+
+def _advance(value: bool | str | None) -> dict[str, Any]:
+    """The fields of a frame that say whether it advances, and what goes its own fraction of the way."""
+    enum, prefix = frame_pb2.AdvanceMode, "ADVANCE_MODE_"
+    try:
+        if isinstance(value, str):
+            return {"advance": True, "advance_mode": choice(enum, prefix, value, "advance")}
+        return {"advance": value is not None and check_flag(value, "advance")}
+    except InvalidArgument:
+        raise InvalidArgument(f"advance is {value!r}; it must be True, False or one of {usable(enum, prefix)}",
+                              field="advance") from None
 
 
 _PLAIN = frame_pb2.Frame()
@@ -56,7 +69,7 @@ def frame_head(options: FrameOptions) -> frame_pb2.Frame:
         mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", options.get("mode"), "mode"),
         accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", options.get("accuracy"), "accuracy"),
         report=choice(scene_pb2.Report, "REPORT_", options.get("report"), "report"),
-        ignore_separating=_flag(options, "ignore_separating"), advance=_flag(options, "advance"), trial=_flag(options, "trial"))
+        ignore_separating=_flag(options, "ignore_separating"), trial=_flag(options, "trial"), **_advance(options.get("advance")))
     delta, fraction = options.get("delta"), options.get("from_last_fraction")
     if delta is not None:
         check_length(delta, "delta")

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from collided.frames.advance import Advance
 from collided.frames.updates import Update
 from collided.layout import Layout
 from collided.positions import Format, move_along, move_rigidly
@@ -77,9 +78,16 @@ class Way(NamedTuple):
             return self.end if fraction else self.start
         return {i: self._between(self.start[i], end, fraction) for i, end in self.end.items()}
 
-    def _between(self, start: Placement, end: Placement, fraction: float) -> Placement:
-        if start is end:
+    def gone(self, advance: Advance) -> State:
+        """Returns where the scene is after an advance."""
+        return {i: end if self.start[i] is end else self._between(self.start[i], end, advance.fraction(i))
+                for i, end in self.end.items()}
+
+    def _between(self, start: Placement, end: Placement, fraction: float | np.ndarray) -> Placement:
+        if start is end or np.all(fraction == 1):
             return end
+        if np.all(fraction == 0):
+            return start
         if end.pose is not None and start.pose is not None:
             pose = end.pose.copy()
             pose[:, 3] = move_along(start.pose[:, 3], end.pose[:, 3], fraction)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from collided.errors import FailedPrecondition, InvalidArgument
+from collided.frames.advance import Advance
 from collided.frames.edit import Applied, apply_edit
 from collided.frames.options import FrameOptions, frame_head
 from collided.frames.state import State, Way, first_placement, way_of
@@ -139,23 +140,26 @@ class Track:
         is_plain = request.edit is None and not request.head.HasField("from_last_fraction")
         request.way = self._way_of(request) if is_plain else None
 
-    def apply(self, request: Request, done: frame_pb2.FrameDone, wire_id: int) -> Way:
+    def apply(self, request: Request, advance: Advance | None, wire_id: int) -> Way:
         """The frame was answered: the scene is where it left it. The same if it is done again."""
         head = request.head
         request.way = way = self._way_of(request) if request.way is None else request.way
-        self.way = Way(way.start, way.along(done.advanced), way.layout, self.form) if head.advance else way
+        self.way = way if advance is None else Way(way.start, way.gone(advance), way.layout, self.form)
         self.last = head
         if not head.trial:
             self.state, self.layout, self.last_applied = self.way.end, way.layout, wire_id
         return way
+
+    def layout_of(self, request: Request) -> Layout:
+        """Returns what the scene is made of in a frame, if that is the first in flight."""
+        return self.layout if request.edit is None else request.edit.layout
 
     def _way_of(self, request: Request) -> Way:
         """From where the scene is now."""
         head, start = request.head, self.state
         if head.HasField("from_last_fraction") and self.way is not None:
             start = self.way.along(head.from_last_fraction)
-        layout = self.layout if request.edit is None else request.edit.layout
-        way = way_of(request.updates, start, request.begun, layout, self.form)
+        way = way_of(request.updates, start, request.begun, self.layout_of(request), self.form)
         for index in request.edit.rested if request.edit else ():
             way.end[index] = way.end[index].at_rest()
             way.start[index] = replace(way.start[index], rest=way.end[index].rest)  # where a new scene begins the way again

@@ -9,6 +9,7 @@ from typing import Optional
 from collided.columns import COLUMNS, HasColumns
 from collided.contacts.columns import Part, read_chunk
 from collided.errors import DataLoss
+from collided.frames.advance import Shortened
 from collided.gpu.arrays import DeviceArray
 from collided.gpu.memory import OutputMemory
 from collided.kinds import KINDS, HasKinds, Kind
@@ -34,12 +35,14 @@ class DeviceContacts(HasKinds[KindOnDevice]):
     """A frame's contacts: the first of each kind on the device, valid until as many more frames were sent as the window has.
 
     on_host: those that had no room there, after them, in the same order; `output_bytes` makes room.
+    shortened: as of `Contacts`, in host memory.
     """
 
     frame_id: int
     on_device: dict[Kind, KindOnDevice] = field(default_factory=dict)
     on_host: list[Part] = field(default_factory=list)
     done: frame_pb2.FrameDone = field(default_factory=frame_pb2.FrameDone)
+    shortened: Shortened = Shortened()
 
     def add(self, chunk: contact_pb2.ContactChunk, memory: OutputMemory) -> None:
         """A chunk of the daemon's."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Unpack, cast
 
 import collided.leftovers as leftovers
 from collided.contacts.checks import check_done
 from collided.errors import DataLoss, FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
+from collided.frames.advance import read_advance
 from collided.frames.options import FrameOptions
 from collided.frames.updates import Update
 from collided.gpu.arrays import incoming, is_on_device
@@ -26,6 +27,7 @@ from collided.transport.opening import MOST_FRAMES, local_socket, opened_by
 from collided.transport.peer import LocalPeer
 from collided.transport.region import region_layout
 from collided.v1 import collision_service_pb2 as api
+from collided.v1 import frame_pb2
 
 
 @dataclass(eq=False)
@@ -34,8 +36,9 @@ class _Pending:
 
     wire_id: int
     contacts: DeviceContacts
-    is_trial: bool
+    head: frame_pb2.Frame
     edited: Layout | None
+    shortened: list[frame_pb2.ShortenedWays] = field(default_factory=list)
 
 
 class DeviceSession:
@@ -113,12 +116,13 @@ class DeviceSession:
         if alone:
             raise InvalidArgument(f"start names mesh {min(alone)} on the device, and positions do not", field="start")
         placed = [Update(i, positions=array, start=elsewhere[0].get(i)) for i, array in there[0].items()]
-        is_first = not self._has_begun and all(pending.is_trial for pending in self._pending)
+        is_first = not self._has_begun and all(pending.head.trial for pending in self._pending)
         request = track.request(self._layout, is_first, there[1], elsewhere[1], cast(FrameOptions, options), placed)
+        self.scene.client.check_known(request.head, "frame")
         wire_id = track.next_id()
         self._transport.send(wire_id, request.head, request.updates)
         self._sent += 1
-        self._pending.append(_Pending(wire_id, DeviceContacts(self._sent), request.head.trial,
+        self._pending.append(_Pending(wire_id, DeviceContacts(self._sent), request.head,
                                       request.edit.layout if request.edit else None))
         return self._sent
 
@@ -137,10 +141,13 @@ class DeviceSession:
             kind = response.WhichOneof("response") if response is not None else None
             if response is None or kind in (None, "draining"):
                 continue
-            if response.frame_id != pending.wire_id or kind not in ("contacts", "done", "error"):
+            if response.frame_id != pending.wire_id or kind not in ("contacts", "shortened", "done", "error"):
                 raise DataLoss(f"the daemon answers frame {response.frame_id} with {kind!r} instead of frame {pending.wire_id}")
             if kind == "contacts":
                 contacts.add(response.contacts, self._memory)
+                continue
+            if kind == "shortened":
+                pending.shortened.append(response.shortened)
                 continue
             if kind == "done":
                 check_done(response.done)
@@ -151,7 +158,9 @@ class DeviceSession:
                 contacts.add(chunk, self._memory)
             del response.done.contacts[:]
             contacts.done = response.done
-            if not pending.is_trial:
+            advance = read_advance(pending.head, response.done, pending.shortened, pending.edited or self._answered_layout)
+            contacts.shortened = advance.shortened if advance else contacts.shortened
+            if not pending.head.trial:
                 self._has_begun = True
                 self._answered_layout = pending.edited or self._answered_layout
             return contacts

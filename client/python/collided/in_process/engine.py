@@ -64,7 +64,9 @@ class Result:
         done = frame_pb2.FrameDone(contact_count=facts.contact_count, earliest_toi=facts.earliest_toi,
                                    any_contact=bool(facts.any_contact), metrics=self._metrics(facts))
         if has_advanced:
-            done.advanced = facts.advanced
+            done.advanced, done.way = facts.advanced, facts.way
+            done.shortened.ids = ctypes.string_at(facts.shortened_ids, 4 * facts.shortened_count)
+            done.shortened.fractions = ctypes.string_at(facts.shortened_fractions, 8 * facts.shortened_count)
         return done
 
     def _metrics(self, facts: library.Facts) -> metrics_pb2.FrameMetrics:

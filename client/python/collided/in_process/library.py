@@ -68,7 +68,7 @@ class Frame(_Sized):
                 ("accuracy", c_int32), ("report", c_int32), ("ignore_separating", c_int32), ("advance", c_int32),
                 ("trial", c_int32), ("delta", POINTER(c_double)), ("start_fraction", POINTER(c_double)),
                 ("cancelled", CANCELLED), ("cancelled_context", c_void_p), ("stream", c_void_p), ("room", c_void_p),
-                ("room_bytes", c_uint64)]
+                ("room_bytes", c_uint64), ("advance_mode", c_int32), ("reserved", c_int32)]
 
 
 class Contacts(_Sized):
@@ -83,7 +83,8 @@ class Facts(_Sized):
                 ("broad_phase_engine", c_int32), ("cells", c_uint64), ("leaves", c_uint64), ("registrations", c_uint64),
                 ("tests", c_uint64), ("pairs", c_uint64), ("exact_decisions", c_uint64), ("top_level", c_uint32),
                 ("base_level", c_uint32), ("candidates", c_uint64 * 3), ("survivors", c_uint64 * 3),
-                ("contacts", c_uint64 * 3)]
+                ("contacts", c_uint64 * 3), ("way", c_double), ("shortened_count", c_uint64), ("shortened_ids", c_void_p),
+                ("shortened_fractions", c_void_p)]
 
 
 _FUNCTIONS = {

@@ -11,33 +11,40 @@ from google.protobuf import symbol_database as _symbol_database
 _sym_db = _symbol_database.Default()
 
 
+from collided.v1 import added_in_pb2 as collided_dot_v1_dot_added__in__pb2
 from collided.v1 import contact_pb2 as collided_dot_v1_dot_contact__pb2
 from collided.v1 import metrics_pb2 as collided_dot_v1_dot_metrics__pb2
 from collided.v1 import scene_pb2 as collided_dot_v1_dot_scene__pb2
 from collided.v1 import shared_range_pb2 as collided_dot_v1_dot_shared__range__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x17\x63ollided/v1/frame.proto\x12\x0b\x63ollided.v1\x1a\x19\x63ollided/v1/contact.proto\x1a\x19\x63ollided/v1/metrics.proto\x1a\x17\x63ollided/v1/scene.proto\x1a\x1e\x63ollided/v1/shared_range.proto\"R\n\rSparseIndices\x12\x0f\n\x07indices\x18\x01 \x01(\x0c\x12\x30\n\x0eshared_indices\x18\x02 \x01(\x0b\x32\x18.collided.v1.SharedRange\"6\n\x0eRigidTransform\x12\x0e\n\x06matrix\x18\x01 \x01(\x0c\x12\x14\n\x0cstart_matrix\x18\x02 \x01(\x0c\"\x8c\x02\n\nMeshUpdate\x12\x0c\n\x04mesh\x18\x01 \x01(\r\x12*\n\x06sparse\x18\x02 \x01(\x0b\x32\x1a.collided.v1.SparseIndices\x12*\n\x05rigid\x18\x03 \x01(\x0b\x32\x1b.collided.v1.RigidTransform\x12\x17\n\x0fstart_positions\x18\x04 \x01(\x0c\x12\x11\n\tpositions\x18\x05 \x01(\x0c\x12\x32\n\x10shared_positions\x18\x06 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12\x38\n\x16shared_start_positions\x18\x07 \x01(\x0b\x32\x18.collided.v1.SharedRange\"\x92\x03\n\x05\x46rame\x12\x10\n\x08\x66rame_id\x18\x01 \x01(\x04\x12\'\n\x08\x61\x63\x63uracy\x18\x02 \x01(\x0e\x32\x15.collided.v1.Accuracy\x12(\n\x07updates\x18\x03 \x03(\x0b\x32\x17.collided.v1.MeshUpdate\x12\x12\n\x05\x64\x65lta\x18\x04 \x01(\x01H\x00\x88\x01\x01\x12#\n\x06report\x18\x05 \x01(\x0e\x32\x13.collided.v1.Report\x12\x19\n\x11ignore_separating\x18\x06 \x01(\x08\x12\x0f\n\x07\x61\x64vance\x18\x07 \x01(\x08\x12\r\n\x05trial\x18\x08 \x01(\x08\x12\x1f\n\x12\x66rom_last_fraction\x18\t \x01(\x01H\x01\x88\x01\x01\x12(\n\x04mode\x18\n \x01(\x0e\x32\x1a.collided.v1.DetectionMode\x12$\n\x04\x65\x64it\x18\x0b \x01(\x0b\x32\x16.collided.v1.SceneEdit\x12\x0e\n\x06worlds\x18\x0c \x03(\r\x12\x0e\n\x06meshes\x18\r \x03(\rB\x08\n\x06_deltaB\x15\n\x13_from_last_fraction\"W\n\nFrameError\x12\x0c\n\x04\x63ode\x18\x01 \x01(\x05\x12\x0f\n\x07message\x18\x02 \x01(\t\x12\r\n\x05\x66ield\x18\x03 \x01(\t\x12\x1b\n\x13retry_after_seconds\x18\x04 \x01(\x01\"C\n\nWorldError\x12\r\n\x05world\x18\x01 \x01(\r\x12&\n\x05\x65rror\x18\x02 \x01(\x0b\x32\x17.collided.v1.FrameError\"6\n\x0bWorldErrors\x12\'\n\x06\x65rrors\x18\x01 \x03(\x0b\x32\x17.collided.v1.WorldError\"\xca\x01\n\tFrameDone\x12*\n\x07metrics\x18\x01 \x01(\x0b\x32\x19.collided.v1.FrameMetrics\x12\x15\n\rcontact_count\x18\x02 \x01(\x04\x12\x14\n\x0c\x65\x61rliest_toi\x18\x03 \x01(\x01\x12\x13\n\x0b\x61ny_contact\x18\x04 \x01(\x08\x12+\n\x08\x63ontacts\x18\x05 \x03(\x0b\x32\x19.collided.v1.ContactChunk\x12\x15\n\x08\x61\x64vanced\x18\x06 \x01(\x01H\x00\x88\x01\x01\x42\x0b\n\t_advancedb\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x17\x63ollided/v1/frame.proto\x12\x0b\x63ollided.v1\x1a\x1a\x63ollided/v1/added_in.proto\x1a\x19\x63ollided/v1/contact.proto\x1a\x19\x63ollided/v1/metrics.proto\x1a\x17\x63ollided/v1/scene.proto\x1a\x1e\x63ollided/v1/shared_range.proto\"R\n\rSparseIndices\x12\x0f\n\x07indices\x18\x01 \x01(\x0c\x12\x30\n\x0eshared_indices\x18\x02 \x01(\x0b\x32\x18.collided.v1.SharedRange\"6\n\x0eRigidTransform\x12\x0e\n\x06matrix\x18\x01 \x01(\x0c\x12\x14\n\x0cstart_matrix\x18\x02 \x01(\x0c\"\x8c\x02\n\nMeshUpdate\x12\x0c\n\x04mesh\x18\x01 \x01(\r\x12*\n\x06sparse\x18\x02 \x01(\x0b\x32\x1a.collided.v1.SparseIndices\x12*\n\x05rigid\x18\x03 \x01(\x0b\x32\x1b.collided.v1.RigidTransform\x12\x17\n\x0fstart_positions\x18\x04 \x01(\x0c\x12\x11\n\tpositions\x18\x05 \x01(\x0c\x12\x32\n\x10shared_positions\x18\x06 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12\x38\n\x16shared_start_positions\x18\x07 \x01(\x0b\x32\x18.collided.v1.SharedRange\"\xcd\x03\n\x05\x46rame\x12\x10\n\x08\x66rame_id\x18\x01 \x01(\x04\x12\'\n\x08\x61\x63\x63uracy\x18\x02 \x01(\x0e\x32\x15.collided.v1.Accuracy\x12(\n\x07updates\x18\x03 \x03(\x0b\x32\x17.collided.v1.MeshUpdate\x12\x12\n\x05\x64\x65lta\x18\x04 \x01(\x01H\x00\x88\x01\x01\x12#\n\x06report\x18\x05 \x01(\x0e\x32\x13.collided.v1.Report\x12\x19\n\x11ignore_separating\x18\x06 \x01(\x08\x12\x0f\n\x07\x61\x64vance\x18\x07 \x01(\x08\x12\r\n\x05trial\x18\x08 \x01(\x08\x12\x1f\n\x12\x66rom_last_fraction\x18\t \x01(\x01H\x01\x88\x01\x01\x12(\n\x04mode\x18\n \x01(\x0e\x32\x1a.collided.v1.DetectionMode\x12$\n\x04\x65\x64it\x18\x0b \x01(\x0b\x32\x16.collided.v1.SceneEdit\x12\x0e\n\x06worlds\x18\x0c \x03(\r\x12\x0e\n\x06meshes\x18\r \x03(\r\x12\x39\n\x0c\x61\x64vance_mode\x18\x0e \x01(\x0e\x32\x18.collided.v1.AdvanceModeB\t\xba\xd7\x18\x05\x30.2.0B\x08\n\x06_deltaB\x15\n\x13_from_last_fraction\"W\n\nFrameError\x12\x0c\n\x04\x63ode\x18\x01 \x01(\x05\x12\x0f\n\x07message\x18\x02 \x01(\t\x12\r\n\x05\x66ield\x18\x03 \x01(\t\x12\x1b\n\x13retry_after_seconds\x18\x04 \x01(\x01\"C\n\nWorldError\x12\r\n\x05world\x18\x01 \x01(\r\x12&\n\x05\x65rror\x18\x02 \x01(\x0b\x32\x17.collided.v1.FrameError\"6\n\x0bWorldErrors\x12\'\n\x06\x65rrors\x18\x01 \x03(\x0b\x32\x17.collided.v1.WorldError\"/\n\rShortenedWays\x12\x0b\n\x03ids\x18\x01 \x01(\x0c\x12\x11\n\tfractions\x18\x02 \x01(\x0c\"\x93\x02\n\tFrameDone\x12*\n\x07metrics\x18\x01 \x01(\x0b\x32\x19.collided.v1.FrameMetrics\x12\x15\n\rcontact_count\x18\x02 \x01(\x04\x12\x14\n\x0c\x65\x61rliest_toi\x18\x03 \x01(\x01\x12\x13\n\x0b\x61ny_contact\x18\x04 \x01(\x08\x12+\n\x08\x63ontacts\x18\x05 \x03(\x0b\x32\x19.collided.v1.ContactChunk\x12\x15\n\x08\x61\x64vanced\x18\x06 \x01(\x01H\x00\x88\x01\x01\x12\x10\n\x03way\x18\x08 \x01(\x01H\x01\x88\x01\x01\x12-\n\tshortened\x18\t \x01(\x0b\x32\x1a.collided.v1.ShortenedWaysB\x0b\n\t_advancedB\x06\n\x04_way*\x80\x01\n\x0b\x41\x64vanceMode\x12\x1c\n\x18\x41\x44VANCE_MODE_UNSPECIFIED\x10\x00\x12\x1b\n\x17\x41\x44VANCE_MODE_ALL_OR_ONE\x10\x01\x12\x19\n\x15\x41\x44VANCE_MODE_PER_MESH\x10\x02\x12\x1b\n\x17\x41\x44VANCE_MODE_PER_VERTEX\x10\x03\x62\x06proto3')
 
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, globals())
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'collided.v1.frame_pb2', globals())
 if _descriptor._USE_C_DESCRIPTORS == False:
 
   DESCRIPTOR._options = None
-  _SPARSEINDICES._serialized_start=151
-  _SPARSEINDICES._serialized_end=233
-  _RIGIDTRANSFORM._serialized_start=235
-  _RIGIDTRANSFORM._serialized_end=289
-  _MESHUPDATE._serialized_start=292
-  _MESHUPDATE._serialized_end=560
-  _FRAME._serialized_start=563
-  _FRAME._serialized_end=965
-  _FRAMEERROR._serialized_start=967
-  _FRAMEERROR._serialized_end=1054
-  _WORLDERROR._serialized_start=1056
-  _WORLDERROR._serialized_end=1123
-  _WORLDERRORS._serialized_start=1125
-  _WORLDERRORS._serialized_end=1179
-  _FRAMEDONE._serialized_start=1182
-  _FRAMEDONE._serialized_end=1384
+  _FRAME.fields_by_name['advance_mode']._options = None
+  _FRAME.fields_by_name['advance_mode']._serialized_options = b'\272\327\030\0050.2.0'
+  _ADVANCEMODE._serialized_start=1596
+  _ADVANCEMODE._serialized_end=1724
+  _SPARSEINDICES._serialized_start=179
+  _SPARSEINDICES._serialized_end=261
+  _RIGIDTRANSFORM._serialized_start=263
+  _RIGIDTRANSFORM._serialized_end=317
+  _MESHUPDATE._serialized_start=320
+  _MESHUPDATE._serialized_end=588
+  _FRAME._serialized_start=591
+  _FRAME._serialized_end=1052
+  _FRAMEERROR._serialized_start=1054
+  _FRAMEERROR._serialized_end=1141
+  _WORLDERROR._serialized_start=1143
+  _WORLDERROR._serialized_end=1210
+  _WORLDERRORS._serialized_start=1212
+  _WORLDERRORS._serialized_end=1266
+  _SHORTENEDWAYS._serialized_start=1268
+  _SHORTENEDWAYS._serialized_end=1315
+  _FRAMEDONE._serialized_start=1318
+  _FRAMEDONE._serialized_end=1593
 # @@protoc_insertion_point(module_scope)

@@ -1,18 +1,25 @@
+from collided.v1 import added_in_pb2 as _added_in_pb2
 from collided.v1 import contact_pb2 as _contact_pb2
 from collided.v1 import metrics_pb2 as _metrics_pb2
 from collided.v1 import scene_pb2 as _scene_pb2
 from collided.v1 import shared_range_pb2 as _shared_range_pb2
 from google.protobuf.internal import containers as _containers
+from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
 from google.protobuf import descriptor as _descriptor
 from google.protobuf import message as _message
 from typing import ClassVar as _ClassVar, Iterable as _Iterable, Mapping as _Mapping, Optional as _Optional, Union as _Union
 
+ADVANCE_MODE_ALL_OR_ONE: AdvanceMode
+ADVANCE_MODE_PER_MESH: AdvanceMode
+ADVANCE_MODE_PER_VERTEX: AdvanceMode
+ADVANCE_MODE_UNSPECIFIED: AdvanceMode
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Frame(_message.Message):
-    __slots__ = ["accuracy", "advance", "delta", "edit", "frame_id", "from_last_fraction", "ignore_separating", "meshes", "mode", "report", "trial", "updates", "worlds"]
+    __slots__ = ["accuracy", "advance", "advance_mode", "delta", "edit", "frame_id", "from_last_fraction", "ignore_separating", "meshes", "mode", "report", "trial", "updates", "worlds"]
     ACCURACY_FIELD_NUMBER: _ClassVar[int]
     ADVANCE_FIELD_NUMBER: _ClassVar[int]
+    ADVANCE_MODE_FIELD_NUMBER: _ClassVar[int]
     DELTA_FIELD_NUMBER: _ClassVar[int]
     EDIT_FIELD_NUMBER: _ClassVar[int]
     FRAME_ID_FIELD_NUMBER: _ClassVar[int]
@@ -26,6 +33,7 @@ class Frame(_message.Message):
     WORLDS_FIELD_NUMBER: _ClassVar[int]
     accuracy: _scene_pb2.Accuracy
     advance: bool
+    advance_mode: AdvanceMode
     delta: float
     edit: _scene_pb2.SceneEdit
     frame_id: int
@@ -37,23 +45,27 @@ class Frame(_message.Message):
     trial: bool
     updates: _containers.RepeatedCompositeFieldContainer[MeshUpdate]
     worlds: _containers.RepeatedScalarFieldContainer[int]
-    def __init__(self, frame_id: _Optional[int] = ..., accuracy: _Optional[_Union[_scene_pb2.Accuracy, str]] = ..., updates: _Optional[_Iterable[_Union[MeshUpdate, _Mapping]]] = ..., delta: _Optional[float] = ..., report: _Optional[_Union[_scene_pb2.Report, str]] = ..., ignore_separating: bool = ..., advance: bool = ..., trial: bool = ..., from_last_fraction: _Optional[float] = ..., mode: _Optional[_Union[_scene_pb2.DetectionMode, str]] = ..., edit: _Optional[_Union[_scene_pb2.SceneEdit, _Mapping]] = ..., worlds: _Optional[_Iterable[int]] = ..., meshes: _Optional[_Iterable[int]] = ...) -> None: ...
+    def __init__(self, frame_id: _Optional[int] = ..., accuracy: _Optional[_Union[_scene_pb2.Accuracy, str]] = ..., updates: _Optional[_Iterable[_Union[MeshUpdate, _Mapping]]] = ..., delta: _Optional[float] = ..., report: _Optional[_Union[_scene_pb2.Report, str]] = ..., ignore_separating: bool = ..., advance: bool = ..., trial: bool = ..., from_last_fraction: _Optional[float] = ..., mode: _Optional[_Union[_scene_pb2.DetectionMode, str]] = ..., edit: _Optional[_Union[_scene_pb2.SceneEdit, _Mapping]] = ..., worlds: _Optional[_Iterable[int]] = ..., meshes: _Optional[_Iterable[int]] = ..., advance_mode: _Optional[_Union[AdvanceMode, str]] = ...) -> None: ...
 
 class FrameDone(_message.Message):
-    __slots__ = ["advanced", "any_contact", "contact_count", "contacts", "earliest_toi", "metrics"]
+    __slots__ = ["advanced", "any_contact", "contact_count", "contacts", "earliest_toi", "metrics", "shortened", "way"]
     ADVANCED_FIELD_NUMBER: _ClassVar[int]
     ANY_CONTACT_FIELD_NUMBER: _ClassVar[int]
     CONTACTS_FIELD_NUMBER: _ClassVar[int]
     CONTACT_COUNT_FIELD_NUMBER: _ClassVar[int]
     EARLIEST_TOI_FIELD_NUMBER: _ClassVar[int]
     METRICS_FIELD_NUMBER: _ClassVar[int]
+    SHORTENED_FIELD_NUMBER: _ClassVar[int]
+    WAY_FIELD_NUMBER: _ClassVar[int]
     advanced: float
     any_contact: bool
     contact_count: int
     contacts: _containers.RepeatedCompositeFieldContainer[_contact_pb2.ContactChunk]
     earliest_toi: float
     metrics: _metrics_pb2.FrameMetrics
-    def __init__(self, metrics: _Optional[_Union[_metrics_pb2.FrameMetrics, _Mapping]] = ..., contact_count: _Optional[int] = ..., earliest_toi: _Optional[float] = ..., any_contact: bool = ..., contacts: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ..., advanced: _Optional[float] = ...) -> None: ...
+    shortened: ShortenedWays
+    way: float
+    def __init__(self, metrics: _Optional[_Union[_metrics_pb2.FrameMetrics, _Mapping]] = ..., contact_count: _Optional[int] = ..., earliest_toi: _Optional[float] = ..., any_contact: bool = ..., contacts: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ..., advanced: _Optional[float] = ..., way: _Optional[float] = ..., shortened: _Optional[_Union[ShortenedWays, _Mapping]] = ...) -> None: ...
 
 class FrameError(_message.Message):
     __slots__ = ["code", "field", "message", "retry_after_seconds"]
@@ -93,6 +105,14 @@ class RigidTransform(_message.Message):
     start_matrix: bytes
     def __init__(self, matrix: _Optional[bytes] = ..., start_matrix: _Optional[bytes] = ...) -> None: ...
 
+class ShortenedWays(_message.Message):
+    __slots__ = ["fractions", "ids"]
+    FRACTIONS_FIELD_NUMBER: _ClassVar[int]
+    IDS_FIELD_NUMBER: _ClassVar[int]
+    fractions: bytes
+    ids: bytes
+    def __init__(self, ids: _Optional[bytes] = ..., fractions: _Optional[bytes] = ...) -> None: ...
+
 class SparseIndices(_message.Message):
     __slots__ = ["indices", "shared_indices"]
     INDICES_FIELD_NUMBER: _ClassVar[int]
@@ -114,3 +134,6 @@ class WorldErrors(_message.Message):
     ERRORS_FIELD_NUMBER: _ClassVar[int]
     errors: _containers.RepeatedCompositeFieldContainer[WorldError]
     def __init__(self, errors: _Optional[_Iterable[_Union[WorldError, _Mapping]]] = ...) -> None: ...
+
+class AdvanceMode(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
+    __slots__ = []

@@ -75,7 +75,8 @@ def run(server, options):
         out.append(session.step({"cloth": few}, trial=True, **kind))
         out.append(session.step({"cloth": few}))
         if options == {}:
-            out.append(session.step({"cloth": wave(3, 0.4, dtype)}, advance=True, delta=1e-6))
+            for i, mode in enumerate((True, "per_mesh", "per_vertex")):
+                out.append(session.step({"cloth": wave(3 + i, 0.4 - 0.2 * i, dtype)}, advance=mode, delta=1e-6))
         return out, session.positions
 
 
@@ -88,8 +89,10 @@ class SameAsADaemon(unittest.TestCase):
                 for mine, theirs in zip(here, there, strict=True):
                     self.assertEqual(mine.records.tobytes(), theirs.records.tobytes())
                     self.assertEqual(mine.records.dtype, theirs.records.dtype)
-                    for fact in ("earliest_toi", "any_contact", "advanced", "frame_id", "wire_id"):
+                    for fact in ("earliest_toi", "any_contact", "advanced", "way", "frame_id", "wire_id"):
                         self.assertEqual(getattr(mine, fact), getattr(theirs, fact), fact)
+                    for array in ("ids", "fractions"):
+                        self.assertEqual(getattr(mine.shortened, array).tobytes(), getattr(theirs.shortened, array).tobytes())
                     for count in ("contacts_vertex_triangle", "contacts_edge_edge", "contacts_triangle_triangle"):
                         self.assertEqual(getattr(mine.metrics.counts, count), getattr(theirs.metrics.counts, count))
                 for mesh in wanted:
@@ -246,8 +249,8 @@ class TheLibrary(unittest.TestCase):
             self.assertEqual(library.find_library(), f"{folder}/lib/libcollided.so.1")
 
     def test_structures_are_those_of_the_header(self):
-        sizes = {"Mesh": 88, "SceneSpec": 144, "DeviceInfo": 160, "Topology": 72, "Update": 80, "Frame": 104, "Contacts": 72,
-                 "Facts": 200}
+        sizes = {"Mesh": 88, "SceneSpec": 144, "DeviceInfo": 160, "Topology": 72, "Update": 80, "Frame": 112, "Contacts": 72,
+                 "Facts": 232}
         for name, size in sizes.items():
             self.assertEqual(ctypes.sizeof(getattr(library, name)), size, name)
 
