@@ -2123,8 +2123,7 @@ type StreamFramesResponse_WorldErrors struct {
 }
 
 type StreamFramesResponse_Shortened struct {
-	// Some of what did not go all of its way in a frame with `advance`; any number of messages, below 4 MiB each, before its
-	// `done`.
+	// Some of a frame's shortened ways; any number of messages, below 4 MiB each, before its `done`.
 	Shortened *ShortenedWays `protobuf:"bytes,9,opt,name=shortened,proto3,oneof"`
 }
 
