@@ -421,7 +421,7 @@ class OfAdvances(Honest):
     ways = (((3, 0.25),), ((4, 0.5),))
 
     def info(self, info):
-        info.features.append("collided.v1.Frame.advance_mode")
+        info.features.extend(("collided.v1.Frame.advance_mode", "collided.v1.ADVANCE_MODE_PER_VERTEX"))
         return info
 
     def frame(self, frame_id):

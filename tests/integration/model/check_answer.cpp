@@ -47,9 +47,9 @@ void compare(const std::string& kind, const ToldContacts& told, const ContactTim
   }
 }
 
-/// The contacts, `earliest_toi` and `advanced` of a frame that advances tell one story.
-void check_story(const ToldContacts& vertex_triangle, const ToldContacts& edge_edge, bool exact,
-                 const pb::FrameDone& done) {
+/// The contacts, `earliest_toi` and `advanced` of a frame that advances tell one story. `starts_apart`: the model's.
+void check_story(const ToldContacts& vertex_triangle, const ToldContacts& edge_edge, bool exact, bool starts_apart,
+                 double thickness, const pb::FrameDone& done) {
   bool is_free = true;
   double earliest = 1;
   for (const auto* contacts : {&vertex_triangle, &edge_edge})
@@ -59,7 +59,10 @@ void check_story(const ToldContacts& vertex_triangle, const ToldContacts& edge_e
       earliest = std::min(earliest, contact.toi);
     }
   require(done.earliest_toi() == earliest, "earliest_toi is not that of the earliest contact that approaches");
+  // What is too near from the start may go on where it comes no nearer, and stands still where it touches.
+  if (!starts_apart) return;
   if (is_free) return require(done.advanced() == 1, "nothing approaches, but the scene did not go all of the way");
+  if (thickness > 0) return;  // on the way features come a little nearer than the separation
   // Certificates hold at the end of a way, where the margin of CERTIFIED may just be reached.
   const bool is_end = !exact && earliest == 1;
   require(done.advanced() == 0 || done.advanced() < earliest || is_end, "the scene went on to a contact");
@@ -89,8 +92,11 @@ void check_answer(const SceneModel& model, const ModelFrame& frame, pb::Accuracy
   require(done.has_advanced() == frame.advance, "advanced is not where it should be");
   if (!frame.advance) return;
   require(done.advanced() >= 0 && done.advanced() <= 1, "advanced is out of range");
-  check_story(vertex_triangle, edge_edge, exact, done);
-  require(!model.meets({way.from, point_of(way, done.advanced())}), "an advance led into contact");
+  const bool starts_apart = model.starts_apart(way);
+  check_story(vertex_triangle, edge_edge, exact, starts_apart, model.thickness(), done);
+  const Way gone{way.from, point_of(way, done.advanced())};
+  require(!model.meets(gone, 0), "an advance led into touch");
+  require(!starts_apart || !model.meets(gone, 7.0 / 8 * model.thickness()), "an advance led into contact");
 }
 
 }  // namespace collided::test

@@ -134,10 +134,17 @@ ModelContacts SceneModel::contacts(const Way& way, bool discrete) const {
   return found;
 }
 
-bool SceneModel::meets(const Way& way) const {
+bool SceneModel::starts_apart(const Way& way) const {
+  bool is_apart = true;
+  each_pair(way, [&](QueryKind kind, const Query& q, PairKey) {
+    is_apart = is_apart && !judge_proximity(kind, {q.p[0], q.p[1], q.p[2], q.p[3]}, thickness_);
+  });
+  return is_apart;
+}
+bool SceneModel::meets(const Way& way, double distance) const {
   bool any = false;
   each_pair(way, [&](QueryKind kind, const Query& q, PairKey) {
-    any = any || (!judge_proximity(kind, {q.p[0], q.p[1], q.p[2], q.p[3]}, thickness_) && judge_ccd(q, thickness_).hit);
+    any = any || (!judge_proximity(kind, {q.p[0], q.p[1], q.p[2], q.p[3]}, distance) && judge_ccd(q, distance).hit);
   });
   return any;
 }

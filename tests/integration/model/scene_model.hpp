@@ -71,8 +71,11 @@ class SceneModel {
   /// Of an edited scene.
   Way way_of(const ModelFrame& frame) const;
   ModelContacts contacts(const Way& way, bool discrete) const;
-  /// Whether any two features that are not within the thickness at the start come within it.
-  bool meets(const Way& way) const;
+  double thickness() const { return thickness_; }
+  /// Whether no two features are within the thickness at the start.
+  bool starts_apart(const Way& way) const;
+  /// Whether any two features that are not within a distance at the start come within it.
+  bool meets(const Way& way, double distance) const;
   /// The frame was answered; `advanced`: how far the scene went.
   void apply(const ModelFrame& frame, const Way& way, double advanced = 1);
   /// The frame was refused.
