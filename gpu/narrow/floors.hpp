@@ -46,8 +46,8 @@ COLLIDED_HD double largest_coordinate(const FeaturePoints<Real>& p) {
 
 /// What a pair's floors follow from, beside its clearance.
 struct StartDistance {
-  double value;   ///< f at the start
-  double extent;  ///< of the pair, as CertifiedDistance has it
+  double value;               ///< f at the start
+  double extent;              ///< of the pair, as CertifiedDistance has it
   double largest_coordinate;  ///< of its whole way
 };
 
@@ -68,7 +68,8 @@ struct FloorRules {
   double min_separation = 0;  ///< m
   double scene_extent = 0;    ///< a power of two, or 0 where all vertices are in one place
 
-  /// `extent`: the greatest of the scene's bounds at the start. What follows from it then stays the same over many steps.
+  /// `extent`: the greatest of the scene's bounds at the start. What follows from it then stays the same over many
+  /// steps.
   static FloorRules of(double min_separation, double extent) {
     return {min_separation, extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 0};
   }

@@ -51,7 +51,8 @@ COLLIDED_HD bool hulls_are_apart_in_float(const FeaturePoints<Real>& p, double d
   bool is_apart = true;
   for (int k = 0; k < Difference::kCount; ++k) {
     const float most = approach[Difference::minuend(k)] + approach[Difference::subtrahend(k)];
-    is_apart = is_apart && lower_bound_along(direction.n, d.start[k], offset) > most * (1 + 4 * Precision<float>::kUnit);
+    is_apart =
+        is_apart && lower_bound_along(direction.n, d.start[k], offset) > most * (1 + 4 * Precision<float>::kUnit);
   }
   return is_apart;
 }

@@ -136,7 +136,8 @@ COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFl
 
 /// Returns what a pair proposes that does not keep its floors on the way from x to y.
 template <class Kind, class Real>
-COLLIDED_LONG COLLIDED_HD Shares shares_of_failed(const FeaturePoints<Real>& way, const PairFloors& floors, Shortening how) {
+COLLIDED_LONG COLLIDED_HD Shares shares_of_failed(const FeaturePoints<Real>& way, const PairFloors& floors,
+                                                  Shortening how) {
   if (floors.is_tiny) return Shares::all(0);
   if (how == Shortening::kTimes) return detail::shares_by_time<Kind>(way, floors);
   if (how == Shortening::kPlanes) return detail::shares_by_planes<Kind>(way, floors);

@@ -76,7 +76,7 @@ struct ResidentTopology {
   Buffer<uint32_t, Exec> neighbour_begin;  ///< of each vertex; scenes that advance have these three
   Buffer<uint32_t, Exec> neighbours;
   AdvanceMode groups_are_of = {};
-  Buffer<uint32_t, Exec> group_of;  ///< of each vertex the first of those that share its fraction, or kStands
+  Buffer<uint32_t, Exec> group_of;    ///< of each vertex the first of those that share its fraction, or kStands
   Buffer<uint64_t, Exec> rest_pairs;  ///< slots of a KeySet, those of the first frame
 };
 

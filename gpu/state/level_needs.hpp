@@ -100,9 +100,8 @@ inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings,
 /// `noise`: of floors, of any pair.
 inline LevelNeeds needs_of_ways(const SceneSpec& spec, const WayRules& ways, double noise) {
   const double reach = 1.001 * ways.floors.reach() + 2 * ways.off + noise;
-  LevelNeeds needs{{Mode::kCcd, Accuracy::kGuarded, 0, Report::kAll, reach, reach, false},
-                   spec.kinds,
-                   {ContactField::kElements}};
+  LevelNeeds needs{
+      {Mode::kCcd, Accuracy::kGuarded, 0, Report::kAll, reach, reach, false}, spec.kinds, {ContactField::kElements}};
   needs.kinds.triangle_triangle = false;
   needs.advances = true;
   needs.ways = ways;

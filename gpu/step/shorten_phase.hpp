@@ -1,13 +1,13 @@
 #pragma once
-// Ways are shortened until all pairs of features keep their floors (narrow/shortening.hpp). A step of the pipeline finds
-// the pairs that may not keep them, whatever fractions vertices go; its last stage looks at all of them. Rounds follow:
-// each shortens what failed pairs propose, and looks again at the pairs that this changes. The host looks at how many
-// have failed, and at nothing else.
+// Ways are shortened until all pairs of features keep their floors (narrow/shortening.hpp). A step of the pipeline
+// finds the pairs that may not keep them, whatever fractions vertices go; its last stage looks at all of them. Rounds
+// follow: each shortens what failed pairs propose, and looks again at the pairs that this changes. The host looks at
+// how many have failed, and at nothing else.
 
 #include <vector>
 
-#include "gpu/step/blocking_pairs.hpp"
 #include "gpu/state/context.hpp"
+#include "gpu/step/blocking_pairs.hpp"
 
 namespace collided {
 
@@ -25,7 +25,8 @@ class ShortenPhase {
   /// Makes room for the pairs that the lists of candidates have room for.
   void reserve() {
     scene_.ways.allocate(counts_.vertices);
-    for_each_kind_of_pairs([&](int k, const auto&) { scene_.blocking[k].allocate(scene_.candidates[k].screened.capacity()); });
+    for_each_kind_of_pairs(
+        [&](int k, const auto&) { scene_.blocking[k].allocate(scene_.candidates[k].screened.capacity()); });
   }
 
   // The step's own part, to where the frame wants to go.
@@ -35,15 +36,20 @@ class ShortenPhase {
     StepState* state = scene_.state.data();
     exec_.stage("screen", [&] {
       exec_.for_each("screen_hulls", Counted{&state->kept[kIndexOf<Kind>], lists.kept.capacity()},
-                     ScreenHulls<Real, Kind>{scene_.start.data(), scene_.end.data(), kind, rules_, lists.kept.all(),
+                     ScreenHulls<Real, Kind>{scene_.start.data(),
+                                             scene_.end.data(),
+                                             kind,
+                                             rules_,
+                                             lists.kept.all(),
                                              {lists.screened.all(), &state->screened[kIndexOf<Kind>]}});
     });
   }
   /// Lets all vertices go all of their ways.
   void begin_ways() {
     FractionBuffers<Exec>& ways = scene_.ways;
-    exec_.for_each("begin_ways", counts_.vertices,
-                   BeginWays{ways.clearances.data(), ways.shares.data(), ways.fractions.data(), ways.changed_in.data()});
+    exec_.for_each(
+        "begin_ways", counts_.vertices,
+        BeginWays{ways.clearances.data(), ways.shares.data(), ways.fractions.data(), ways.changed_in.data()});
   }
   /// Measures the distances that all pairs start at.
   void measure_starts() {
@@ -102,7 +108,7 @@ class ShortenPhase {
 
   /// Adds up what became of the ways to the target. Waits.
   WaysGone add_up(const Vec3<Real>* target, float longest) {
-    const double most = 0x1p61 / static_cast<double>(counts_.vertices);
+    const double most = 0x1p63 / static_cast<double>(counts_.vertices);  // no sum reaches 2^64
     const double units = longest > 0 ? std::exp2(std::floor(std::log2(most / longest))) : 1;
     exec_.reduce_into("gone", counts_.vertices,
                       GoneOfWay<Real>{scene_.start.data(), target, group_of(), scene_.ways.fractions.data(), units},
@@ -112,8 +118,9 @@ class ShortenPhase {
   /// Returns the fraction of each group that moves towards the target; 1 of all others.
   std::vector<double> fractions(const Vec3<Real>* target) {
     FractionBuffers<Exec>& ways = scene_.ways;
-    exec_.for_each("tell_fractions", counts_.vertices,
-                   TellFractions<Real>{scene_.start.data(), target, group_of(), ways.fractions.data(), ways.shares.data()});
+    exec_.for_each(
+        "tell_fractions", counts_.vertices,
+        TellFractions<Real>{scene_.start.data(), target, group_of(), ways.fractions.data(), ways.shares.data()});
     std::vector<double> told(counts_.vertices);
     exec_.download(told.data(), ways.shares.data(), told.size() * sizeof(double));
     return told;
@@ -145,9 +152,9 @@ class ShortenPhase {
   template <class Kind>
   void judge(const Kind& kind, const Counted& count, Span<const uint64_t> looked_at) {
     constexpr int k = kIndexOf<Kind>;
-    exec_.for_each("judge_pairs", count,
-                   JudgePairs<Real, Kind>{ways_of(kind), looked_at,
-                                          {scene_.blocking[k].failed.all(), &state()->round.failed[k]}});
+    exec_.for_each(
+        "judge_pairs", count,
+        JudgePairs<Real, Kind>{ways_of(kind), looked_at, {scene_.blocking[k].failed.all(), &state()->round.failed[k]}});
   }
 
   Exec& exec_;

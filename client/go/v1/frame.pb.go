@@ -742,7 +742,8 @@ type FrameDone struct {
 	// Present where the frame has `advance`.
 	Advanced *float64 `protobuf:"fixed64,6,opt,name=advanced,proto3,oneof" json:"advanced,omitempty"`
 	// The share of the motion that was gone, in [0, 1]: the lengths of all vertices' ways that were gone, added up, divided by
-	// those of the whole ways; 1 if nothing moves. Within 2^-20 of the truth. Present where the frame has `advance`.
+	// those of the whole ways; 1 if nothing moves. Within 2^-20 of the truth in scenes of up to a million vertices. Present where
+	// the frame has `advance`.
 	Way *float64 `protobuf:"fixed64,8,opt,name=way,proto3,oneof" json:"way,omitempty"`
 	// The last of what went its own fraction of the way, less than 1, after those sent in separate messages: all of them where
 	// they are few, and in DetectFrameResponse. Empty at ALL_OR_ONE, and in WatchSceneResponse.

@@ -40,7 +40,9 @@ Case case_of(const StepScene& scene, const std::vector<Vec3d>& x, const std::vec
       else
         points.push_back(a);
     }
-    const auto of_mesh = [&](const std::vector<Vec3d>& all) { return Positions(all.begin() + first, all.begin() + end); };
+    const auto of_mesh = [&](const std::vector<Vec3d>& all) {
+      return Positions(all.begin() + first, all.begin() + end);
+    };
     add_mesh(c, std::move(triangles), of_mesh(x), of_mesh(p), scene.is_static[mesh]);
     c.meshes.back().edges = std::move(edges), c.meshes.back().points = std::move(points);
     first = end;

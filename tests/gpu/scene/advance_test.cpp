@@ -134,7 +134,8 @@ TEST_F(Stepping, WhatBeginsTooCloseMayPart) {
 }
 
 /// The contacts, the earliest time and the advance of a frame agree. What starts in contact may go on as long as it
-/// comes no closer, and what keeps a separation may come a little closer on the way. `may_stick`: the frame may begin as close to contact as the format resolves.
+/// comes no closer, and what keeps a separation may come a little closer on the way. `may_stick`: the frame may begin
+/// as close to contact as the format resolves.
 void expect_one_story(const FrameResult& result, Accuracy accuracy, double separation, bool may_stick) {
   bool is_free = true;
   double earliest = 1;
