@@ -6,8 +6,8 @@
 // - A pair keeps the distance d: the least of m, its f at the start, and the clearances of its vertices that may move.
 //   A vertex's clearance is the least f of all pairs that contain it, but for features that an edge joins.
 // - On the way the features stay farther apart than 7/8 d. At the end f is at least d - noise.
-// - Noise must not accumulate over many steps. Below m there are levels, (45/64) m 2^-k, and no pair sinks below the
-//   level under its start. The factor keeps the levels away from distances that people choose.
+// - Noise must not accumulate over many steps. Below m there are levels, (45/64) m 2^-k, and no pair ends below the
+//   level under its d. The factor keeps the levels away from distances that people choose.
 // - Theta is 2^-34 of the scene's extent, which counts as the next power of two. No pair that starts above Theta sinks
 //   below it.
 //
@@ -44,14 +44,14 @@ COLLIDED_HD double largest_coordinate(const FeaturePoints<Real>& p) {
   return static_cast<double>(largest);
 }
 
-/// What a pair's floors follow from, beside its clearance.
+/// Holds what a pair's floors depend on, in the units of the positions. Its clearance is the other part.
 struct StartDistance {
   double value;               ///< f at the start
   double extent;              ///< of the pair, as CertifiedDistance has it
   double largest_coordinate;  ///< of its whole way
 };
 
-/// `way`: from the start to where the pair is to go.
+/// Measures a pair at the start of its way. `way`: to where it is to go.
 template <class Kind, class Real>
 COLLIDED_HD StartDistance start_distance(const FeaturePoints<Real>& way) {
   const CertifiedDistance start = certified_distance<Kind>(way.start);

@@ -16,6 +16,9 @@
 
 namespace collided {
 
+/// A share or a fraction of 1 as an integer. Those in [0, 1] have the order of their bits.
+constexpr uint64_t kWholeBits = 0x3ff0000000000000;
+
 /// How failed pairs shorten their vertices' ways, by the round.
 enum class Shortening { kTimes, kPlanes, kStand, kIslands };
 

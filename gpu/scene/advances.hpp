@@ -1,6 +1,6 @@
 #pragma once
-// Frames that go as far as they can: after the frame's own step, which tells the contacts of the whole way, the scene
-// goes towards the frame's positions, each group of vertices as far as all pairs keep their floors
+// Frames that go as far as they can. The frame's own step has told the contacts of the whole way. Then the scene goes
+// towards the frame's positions. Each group of vertices goes as far as all pairs keep their floors
 // (step/shorten_phase.hpp).
 
 #include <cmath>
@@ -39,11 +39,11 @@ class Advances {
     });
     const WaysMeasure measured = pipeline_.measure_ways();
     const FrameResult found = pipeline_.find_blocking(rules(measured), largest_coordinate(measured));
-    WaysGone gone{};
+    WaysGone gone = GoneOfWay<Real>::nothing();
     pipeline_.shorten([&](ShortenPhase<Exec, Real>& shorten) {
-      run_rounds(shorten);
+      if (run_rounds(shorten) == 0) return;  // all went all of their way
       gone = shorten.add_up(positions_.target(), measured.longest);
-      if (gone.least_bits != kWhole) tell(mode, shorten.fractions(positions_.target()), result.shortened);
+      if (gone.least_bits != kWholeBits) tell(mode, shorten.fractions(positions_.target()), result.shortened);
     });
     result.advanced = detail::bit_copy<double>(gone.least_bits);
     result.way = gone.all > 0 ? static_cast<double>(gone.gone) / static_cast<double>(gone.all) : *result.advanced;
@@ -51,8 +51,6 @@ class Advances {
   }
 
  private:
-  static constexpr uint64_t kWhole = 0x3ff0000000000000;  // 1.0
-
   const SceneShape& shape() const { return model_.shape(); }
   uint32_t vertices() const { return shape().vertex_offset.back(); }
 
@@ -99,9 +97,11 @@ class Advances {
   /// To a power of two: steps with other numbers are recorded anew.
   static double rounded_up(double x) { return x > 0 ? std::exp2(std::ceil(std::log2(x))) : 0; }
 
-  void run_rounds(ShortenPhase<Exec, Real>& shorten) {
+  /// Returns how many rounds it took until no pair failed.
+  uint32_t run_rounds(ShortenPhase<Exec, Real>& shorten) {
     if (shard_ != nullptr) join_starts(shorten);
-    for (uint32_t round = 0; any_failed(); ++round) {
+    uint32_t round = 0;
+    for (; any_failed(); ++round) {
       exec_.stage("shorten", [&] {
         shorten.propose(round);
         join_shares();
@@ -112,6 +112,7 @@ class Advances {
       });
       pipeline_.look_at_rounds();
     }
+    return round;
   }
   void join_islands(ShortenPhase<Exec, Real>& shorten) {
     while (any(shorten.join_islands(positions_.target()) > 0)) join_shares();

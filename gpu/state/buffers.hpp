@@ -91,7 +91,7 @@ struct CandidateBuffers {
   Buffer<ResumableQuery, Exec> resumable;  ///< those of them that float has not told apart
 };
 
-/// One of these for each kind of features.
+/// Makes buffers for each kind of features.
 template <class Buffers, Executor Exec>
 std::array<Buffers, kFeatureKinds> make_per_kind(Exec& exec) {
   static_assert(kFeatureKinds == 2);
@@ -114,7 +114,7 @@ struct BlockingPairs {
   Buffer<uint64_t, Exec> failed;     ///< likewise
 };
 
-/// How far vertices go, by the first vertex of those that share a fraction (ResidentTopology::group_of).
+/// Holds how far vertices go. Arrays of groups have a place for each vertex (base/groups.hpp).
 template <Executor Exec>
 struct FractionBuffers {
   explicit FractionBuffers(Exec& exec)

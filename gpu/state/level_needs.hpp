@@ -8,7 +8,7 @@
 
 namespace collided {
 
-/// What a step that advances goes by.
+/// Holds what the floors of a step that advances depend on.
 struct WayRules {
   FloorRules floors;
   double off = 0;  ///< how far vertices of rigid meshes may be off their straight ways, besides blend()'s rounding
@@ -96,8 +96,8 @@ inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings,
   return needs;
 }
 
-/// Of the step that finds the pairs of features that ways are shortened for: all that come within the highest floor.
-/// `noise`: of floors, of any pair.
+/// Returns the needs of the step that finds the pairs whose vertices' ways may have to be shortened. These are all
+/// pairs that come within the highest floor. `noise`: the largest of any pair, in the units of the positions.
 inline LevelNeeds needs_of_ways(const SceneSpec& spec, const WayRules& ways, double noise) {
   const double reach = 1.001 * ways.floors.reach() + 2 * ways.off + noise;
   LevelNeeds needs{

@@ -12,13 +12,13 @@
 
 namespace collided {
 
-/// Of all vertices' ways, before a step that advances.
+/// Bounds the ways of all vertices in a frame that advances.
 struct WaysMeasure {
   Box<float> start;  ///< around the vertices at t = 0, rounded outward
   float longest;     ///< coordinate of a way, rounded up
 };
 
-/// Of a round in which ways are shortened (narrow/shortening.hpp).
+/// Counts the pairs of a round that shortens ways (narrow/shortening.hpp).
 struct RoundCounts {
   uint64_t looked_at[kFeatureKinds];
   uint64_t failed[kFeatureKinds];
@@ -27,7 +27,7 @@ struct RoundCounts {
   uint64_t count_failed() const { return failed[0] + failed[1]; }
 };
 
-/// What became of the vertices' ways.
+/// Sums of all vertices' ways.
 struct WaysGone {
   uint64_t all, gone;   ///< lengths, in a unit that GoneOfWays has
   uint64_t least_bits;  ///< the least fraction of what moves, as an integer

@@ -1,5 +1,6 @@
 #pragma once
-// What a step that advances does with each of its pairs of features, and with each vertex (narrow/shortening.hpp).
+// Functors of a step that advances: what it does with each pair of features, and with each vertex
+// (narrow/shortening.hpp).
 
 #include "gpu/base/groups.hpp"
 #include "gpu/exact/fixed/decide.hpp"
@@ -40,8 +41,8 @@ struct ScreenHulls {
   }
 };
 
-/// Pairs of one kind on the backend, and what is known of them. Vertices have clearances and fractions by themselves or
-/// by their groups; vertices that stand have none.
+/// Pairs of one kind on the backend, and what is known of them. Each vertex that may move has a clearance and belongs
+/// to a group, which has a fraction.
 template <class Real, class Kind>
 struct WaysOfPairs {
   const Vec3<Real>* start;
@@ -137,8 +138,7 @@ struct ListChanged {
   }
 };
 
-/// Makes stand what is connected to what stands: a share of 0 goes from vertex to vertex, through pairs, where vertices
-/// move at all. Counts how often it went on.
+/// Spreads shares of 0 through pairs, to all of their vertices that move. Counts the vertices that it reaches.
 template <class Real, class Kind>
 struct JoinIslands {
   WaysOfPairs<Real, Kind> ways;  ///< to where the vertices are to go
@@ -171,10 +171,9 @@ struct TakeShares {
   uint32_t round;
 
   COLLIDED_HD void operator()(uint64_t group) const {
-    constexpr uint64_t kWhole = 0x3ff0000000000000;  // 1.0
     const uint64_t share = shares[group];
-    if (share == kWhole) return;
-    shares[group] = kWhole;
+    if (share == kWholeBits) return;
+    shares[group] = kWholeBits;
     const double next = shortened(fractions[group], detail::bit_copy<double>(share));
     if (next == fractions[group]) return;
     fractions[group] = next;
@@ -182,7 +181,7 @@ struct TakeShares {
   }
 };
 
-/// Before the first round.
+/// Sets up a vertex, or the group of its number, before the first round.
 struct BeginWays {
   uint64_t* clearances;
   uint64_t* shares;
@@ -191,13 +190,13 @@ struct BeginWays {
 
   COLLIDED_HD void operator()(uint64_t v) const {
     clearances[v] = detail::bit_copy<uint64_t>(HUGE_VAL);
-    shares[v] = detail::bit_copy<uint64_t>(1.0);
+    shares[v] = kWholeBits;
     fractions[v] = 1;
     changed_in[v] = 0;
   }
 };
 
-/// How far a vertex goes, to be added up. Lengths are counted in whole units, so that their order plays no part.
+/// Returns how far a vertex goes. Lengths are counted in whole units, so that the order of a sum plays no part.
 template <class Real>
 struct GoneOfWay {
   const Vec3<Real>* start;
@@ -213,7 +212,7 @@ struct GoneOfWay {
     const double length = square_root(dot(way, way)), a = fractions[group];
     return {static_cast<uint64_t>(length), static_cast<uint64_t>(a * length), detail::bit_copy<uint64_t>(a)};
   }
-  COLLIDED_HD static WaysGone nothing() { return {0, 0, detail::bit_copy<uint64_t>(1.0)}; }
+  COLLIDED_HD static WaysGone nothing() { return {0, 0, kWholeBits}; }
 };
 struct AddGone {
   COLLIDED_HD WaysGone operator()(const WaysGone& a, const WaysGone& b) const {
@@ -237,7 +236,7 @@ struct TellFractions {
   }
 };
 
-/// A vertex's way, to be joined with others'.
+/// Measures the way of one vertex.
 template <class Real>
 struct MeasureWay {
   const Vec3<Real>* start;

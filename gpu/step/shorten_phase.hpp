@@ -1,8 +1,8 @@
 #pragma once
-// Ways are shortened until all pairs of features keep their floors (narrow/shortening.hpp). A step of the pipeline
-// finds the pairs that may not keep them, whatever fractions vertices go; its last stage looks at all of them. Rounds
-// follow: each shortens what failed pairs propose, and looks again at the pairs that this changes. The host looks at
-// how many have failed, and at nothing else.
+// Shortens ways until all pairs of features keep their floors (narrow/shortening.hpp). A step of the pipeline finds the
+// pairs that some fractions of the ways could bring below their floors, and judges each of them at the frame's own
+// positions. Rounds follow. A round shortens what failed pairs propose, then judges the pairs again whose vertices this
+// has moved. The host reads how many have failed, and nothing else.
 
 #include <vector>
 

@@ -59,7 +59,7 @@ void check_story(const ToldContacts& vertex_triangle, const ToldContacts& edge_e
       earliest = std::min(earliest, contact.toi);
     }
   require(done.earliest_toi() == earliest, "earliest_toi is not that of the earliest contact that approaches");
-  // What is too near from the start may go on where it comes no nearer, and stands still where it touches.
+  // Features that start too near may go on if they come no nearer. Features that touch stand still.
   if (!starts_apart) return;
   if (is_free) return require(done.advanced() == 1, "nothing approaches, but the scene did not go all of the way");
   if (thickness > 0) return;  // on the way features come a little nearer than the separation
