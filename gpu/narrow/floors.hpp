@@ -49,6 +49,10 @@ struct StartDistance {
   double value;               ///< f at the start
   double extent;              ///< of the pair, as CertifiedDistance has it
   double largest_coordinate;  ///< of its whole way
+
+  /// True if certificates say too little about the pair.
+  COLLIDED_HD bool is_tiny() const { return value < kTiny * extent; }
+  static constexpr double kTiny = 0x1p-34;  ///< Theta, in units of an extent
 };
 
 /// Measures a pair at the start of its way. `way`: to where it is to go.
@@ -62,7 +66,6 @@ struct PairFloors;
 
 /// What the floors of all pairs of a step follow from.
 struct FloorRules {
-  static constexpr double kTiny = 0x1p-34;  ///< Theta, in units of the extent
   static constexpr double kOfWay = 7.0 / 8;
 
   double min_separation = 0;  ///< m
@@ -76,7 +79,7 @@ struct FloorRules {
   bool operator==(const FloorRules&) const = default;
 
   /// Returns the floor that no pair sinks under that starts above it.
-  COLLIDED_HD double least_floor() const { return kTiny * scene_extent; }
+  COLLIDED_HD double least_floor() const { return StartDistance::kTiny * scene_extent; }
   /// Returns the distance within which pairs matter: the highest floor.
   COLLIDED_HD double reach() const { return max(min_separation, 4 * least_floor()); }
 
@@ -114,7 +117,7 @@ COLLIDED_HD PairFloors FloorRules::floors_of(const StartDistance& start, double 
   const double least = floors.kept >= least_floor() ? least_floor() : 0;
   floors.end = max(max(floors.kept - floors.noise, hold_of(floors.kept)), max(least, floors.way));
   if (floors.kept == m && f >= m + floors.noise) floors.end = m;
-  floors.is_tiny = f < kTiny * start.extent;
+  floors.is_tiny = start.is_tiny();
   return floors;
 }
 

@@ -18,7 +18,7 @@ struct VertexRings {
   COLLIDED_HD bool is_needed() const { return !begin.empty(); }
   /// Whether w is in the ring of v, and so v in that of w.
   COLLIDED_HD bool connect(uint32_t v, uint32_t w) const {
-    const uint32_t of_world = static_cast<uint32_t>(begin.size()) - 1, first_of_world = v / of_world * of_world;
+    const uint32_t first_of_world = v / of_world() * of_world();
     v -= first_of_world, w -= first_of_world;
     uint32_t first = begin[v];
     const uint32_t end = begin[v + 1];
@@ -30,12 +30,25 @@ struct VertexRings {
     }
     return first < end && vertices[first] == w;
   }
+  COLLIDED_HD uint32_t size(uint32_t v) const {
+    const uint32_t of_first = v % of_world();
+    return begin[of_first + 1] - begin[of_first];
+  }
+  /// Calls use(w) for each w in the ring of v.
+  template <class Use>
+  COLLIDED_HD void for_each(uint32_t v, const Use& use) const {
+    const uint32_t of_first = v % of_world(), first_of_world = v - of_first;
+    for (uint32_t i = begin[of_first]; i < begin[of_first + 1]; ++i) use(first_of_world + vertices[i]);
+  }
   COLLIDED_HD bool connect(uint32_t v, const Triangle& t) const {
     return connect(v, t.x) || connect(v, t.y) || connect(v, t.z);
   }
   COLLIDED_HD bool connect(const Triangle& s, const Triangle& t) const {
     return connect(s.x, t) || connect(s.y, t) || connect(s.z, t);
   }
+
+ private:
+  COLLIDED_HD uint32_t of_world() const { return static_cast<uint32_t>(begin.size()) - 1; }
 };
 
 /// The key of a pair of edges in the set that vertex-triangle pairs are in as well. Edges have 31 bits.

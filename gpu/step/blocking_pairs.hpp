@@ -4,6 +4,7 @@
 
 #include "gpu/base/groups.hpp"
 #include "gpu/exact/fixed/decide.hpp"
+#include "gpu/exact/fixed/parting.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/hulls_apart.hpp"
 #include "gpu/narrow/shortening.hpp"
@@ -13,15 +14,45 @@
 
 namespace collided {
 
-/// True if a pair may go the straight way from x to y, for certain. A tiny pair may as well come nearer, as long as
-/// integers decide that it does not touch.
+/// The vertices of a pair and all that an edge joins to them, on their ways (exact/fixed/parting.hpp).
 template <class Kind, class Real>
-COLLIDED_LONG COLLIDED_HD bool is_way_free(const FeaturePoints<Real>& way, const PairFloors& floors) {
+struct PairStars {
+  static constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+  static constexpr int kMostEdges = 12;           ///< of a vertex, in looking for directions
+  static constexpr uint32_t kMostNeighbours = 64;  ///< of a vertex
+
+  Stencil s;
+  VertexRings joined;
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+
+  /// Whether they are few enough to be looked at.
+  COLLIDED_HD bool are_small() const {
+    for (const uint32_t v : s.v)
+      if (joined.size(v) > kMostNeighbours) return false;
+    return true;
+  }
+  template <class Use>
+  COLLIDED_HD void own(int i, const Use& use) const {
+    use(convert<double>(start[s.v[i]]), convert<double>(end[s.v[i]]));
+  }
+  template <class Use>
+  COLLIDED_HD void neighbours(int i, const Use& use) const {
+    joined.for_each(s.v[i], [&](uint32_t v) { use(convert<double>(start[v]), convert<double>(end[v])); });
+  }
+};
+
+/// True if a pair may go the straight way from x to y, for certain. A tiny pair may as well come nearer, as long as
+/// integers decide that it does not touch, and one that touches at the start may part.
+template <class Kind, class Real>
+COLLIDED_LONG COLLIDED_HD bool is_way_free(const PairStars<Kind, Real>& stars, const PairFloors& floors) {
+  const FeaturePoints<Real> way = points_of(stars.s, stars.start, stars.end);
   if (keeps_floors<Kind>(way, floors)) return true;
   if (!floors.is_tiny) return false;
   Vec3<double> from[4], to[4];
   for (int k = 0; k < 4; ++k) from[k] = convert<double>(way.start[k]), to[k] = convert<double>(way.end[k]);
-  return exact::fixed::decide<Kind::kKind>(from, to).outcome == exact::fixed::Outcome::kApart;
+  if (exact::fixed::decide<Kind::kKind>(from, to).outcome == exact::fixed::Outcome::kApart) return true;
+  return stars.are_small() && exact::fixed::part<Kind::kKind>(stars);
 }
 
 /// Keeps the candidates that no plane parts whatever fractions of their ways the vertices go.
@@ -51,11 +82,13 @@ struct WaysOfPairs {
   FloorRules rules;
   Span<const uint64_t> pairs;
   Span<StartDistance> starts;
+  VertexRings joined;  ///< by one edge
   const uint32_t* group_of;
   uint64_t* clearances;
 
   COLLIDED_HD Stencil stencil(uint64_t pair) const { return kind.stencil(pairs[pair]); }
   COLLIDED_HD FeaturePoints<Real> way(const Stencil& s) const { return points_of(s, start, end); }
+  COLLIDED_HD PairStars<Kind, Real> stars(const Stencil& s) const { return {s, joined, start, end}; }
   COLLIDED_HD PairFloors floors(uint64_t pair, const Stencil& s) const {
     uint64_t least = detail::bit_copy<uint64_t>(HUGE_VAL);
     for (const uint32_t v : s.v)
@@ -68,7 +101,6 @@ struct WaysOfPairs {
 template <class Real, class Kind>
 struct MeasureStarts {
   WaysOfPairs<Real, Kind> ways;
-  VertexRings joined;
 
   COLLIDED_HD void operator()(uint64_t pair) const {
     const Stencil s = ways.stencil(pair);
@@ -84,7 +116,7 @@ struct MeasureStarts {
     constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
     for (int i = 0; i < kFirst; ++i)
       for (int j = kFirst; j < 4; ++j)
-        if (joined.connect(s.v[i], s.v[j])) return true;
+        if (ways.joined.connect(s.v[i], s.v[j])) return true;
     return false;
   }
 };
@@ -99,7 +131,7 @@ struct JudgePairs {
   COLLIDED_HD void operator()(uint64_t i) const {
     const uint64_t pair = looked_at.empty() ? i : looked_at[i];
     const Stencil s = ways.stencil(pair);
-    if (!is_way_free<Kind>(ways.way(s), ways.floors(pair, s))) failed.push(pair);
+    if (!is_way_free(ways.stars(s), ways.floors(pair, s))) failed.push(pair);
   }
 };
 
@@ -121,7 +153,7 @@ struct ProposeShares {
   }
 };
 
-/// Lists the pairs with a vertex whose fraction the round has changed.
+/// Lists the pairs with a vertex whose fraction the round has changed, or that are tiny and joined to one.
 template <class Real, class Kind>
 struct ListChanged {
   WaysOfPairs<Real, Kind> ways;
@@ -130,11 +162,19 @@ struct ListChanged {
   AppendList<uint64_t> looked_at;
 
   COLLIDED_HD void operator()(uint64_t pair) const {
-    for (const uint32_t v : ways.stencil(pair).v)
-      if (const uint32_t group = ways.group_of[v]; group != kStands && changed_in[group] == round) {
-        looked_at.push(pair);
-        return;
-      }
+    const bool is_tiny = ways.starts[pair].is_tiny();
+    bool any = false;
+    for (const uint32_t v : ways.stencil(pair).v) {
+      any = any || has_changed(v);
+      if (is_tiny) ways.joined.for_each(v, [&](uint32_t w) { any = any || has_changed(w); });
+    }
+    if (any) looked_at.push(pair);
+  }
+
+ private:
+  COLLIDED_HD bool has_changed(uint32_t v) const {
+    const uint32_t group = ways.group_of[v];
+    return group != kStands && changed_in[group] == round;
   }
 };
 

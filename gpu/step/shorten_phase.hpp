@@ -56,7 +56,7 @@ class ShortenPhase {
     reserve();  // a step by parts has made room for pairs since
     exec_.stage("starts", [&] {
       for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
-        exec_.for_each("measure_starts", pairs(k), MeasureStarts<Real, Kind>{ways_of(kind), scene_.topology.joined()});
+        exec_.for_each("measure_starts", pairs(k), MeasureStarts<Real, Kind>{ways_of(kind)});
       });
     });
   }
@@ -145,6 +145,7 @@ class ShortenPhase {
             rules_.floors,
             scene_.candidates[k].screened.all(),
             scene_.blocking[k].starts.all(),
+            scene_.topology.joined(),
             group_of(),
             scene_.ways.clearances.data()};
   }

@@ -2,8 +2,8 @@
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
 (collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), exact
-(collided_exact_bench), subdivision (collided_subdivision_bench), reuse (collided_reuse_bench) or trials
-(collided_trials_bench).
+(collided_exact_bench), subdivision (collided_subdivision_bench), reuse (collided_reuse_bench), trials
+(collided_trials_bench) or advance_costs (collided_advance_costs_bench).
 """
 
 import json
@@ -51,6 +51,17 @@ class Bench(unittest.TestCase):
         for side in run["sides"].values():
             self.assertLessEqual(side["p50_ms"], side["p95_ms"])
             self.assertLessEqual(side["p95_ms"], side["max_ms"])
+
+    def check_advance_costs(self):
+        (run,) = parsed(*SMALL, "--rounds", str(STEPS))["runs"]
+        self.assertEqual((run["scene"], run["rounds"]), ("one_cell", STEPS))
+        self.assertEqual(set(run["sides"]), {"plain", "all_or_one", "per_mesh", "per_vertex"})
+        self.assertEqual(run["sides"]["plain"]["ratio"], 1)
+        for name, side in run["sides"].items():
+            self.assertGreater(side["step_ms"], 0)
+            if name != "plain":
+                self.assertGreater(side["advance_ms"], 0)
+                self.assertLessEqual(side["advanced"], side["way"])
 
     def check_levels(self):
         (scene,) = parsed(*SMALL, "--steps", str(STEPS), "--compare-levels")["scenes"]

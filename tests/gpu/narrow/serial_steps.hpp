@@ -54,6 +54,7 @@ class SerialSteps {
     for (uint32_t v = 0; v < scene.positions.size(); ++v)
       group_.push_back(fraction_of == FractionOf::kVertex ? v : fraction_of == FractionOf::kMesh ? scene.mesh[v] : 0);
     list_edges();
+    list_neighbours();
     list_pairs();
     Random random(order);
     if (order != 0)
@@ -76,8 +77,9 @@ class SerialSteps {
       std::vector<double> share(x.size(), 1);
       std::vector<size_t> failed;
       const Shortening how = shortening_of(first_round_ + result.rounds);
+      const std::vector<Vec3<Real>> start = all_real(x), end = all_real(result.y);
       for (const size_t i : work)
-        if (!judge(result.pairs[i], result.y, how, share)) failed.push_back(i);
+        if (!judge(result.pairs[i], start, end, how, share)) failed.push_back(i);
       if (failed.empty()) break;
       if (how == Shortening::kIslands) stand_islands(result.pairs, failed, share);
       const std::vector<bool> has_changed = shorten(share, of_group, result.y);
@@ -107,6 +109,14 @@ class SerialSteps {
       for (const auto& [a, b] : {std::pair{t[0], t[1]}, std::pair{t[1], t[2]}, std::pair{t[2], t[0]}})
         if (a != b) edges_.insert({std::min(a, b), std::max(a, b)});
   }
+  void list_neighbours() {
+    for (uint32_t v = 0; v < scene_.positions.size(); ++v) {
+      neighbour_begin_.push_back(static_cast<uint32_t>(neighbours_.size()));
+      for (uint32_t w = 0; w < scene_.positions.size(); ++w)
+        if (edges_.count(std::minmax(v, w)) > 0) neighbours_.push_back(w);
+    }
+    neighbour_begin_.push_back(static_cast<uint32_t>(neighbours_.size()));
+  }
   void add_pair(QueryKind kind, const std::array<uint32_t, 4>& v) {
     const size_t first = first_feature(kind);
     for (size_t i = 0; i < first; ++i)
@@ -130,14 +140,19 @@ class SerialSteps {
         if (edges_.count(std::minmax(pair.v[i], pair.v[j])) > 0) return true;
     return false;
   }
+  static Vec3<Real> real(const Vec3d& p) {
+    return {static_cast<Real>(p[0]), static_cast<Real>(p[1]), static_cast<Real>(p[2])};
+  }
   static FeaturePoints<Real> points_of(const StepPair& pair, const std::vector<Vec3d>& from,
                                        const std::vector<Vec3d>& to) {
     FeaturePoints<Real> points;
-    const auto real = [](const Vec3d& p) {
-      return Vec3<Real>{static_cast<Real>(p[0]), static_cast<Real>(p[1]), static_cast<Real>(p[2])};
-    };
     for (size_t i = 0; i < 4; ++i) points.start[i] = real(from[pair.v[i]]), points.end[i] = real(to[pair.v[i]]);
     return points;
+  }
+  static std::vector<Vec3<Real>> all_real(const std::vector<Vec3d>& positions) {
+    std::vector<Vec3<Real>> all;
+    for (const Vec3d& p : positions) all.push_back(real(p));
+    return all;
   }
   /// True if the boxes of both features' ways are within `reach`.
   bool boxes_meet(const StepPair& pair, double reach) const {
@@ -191,12 +206,18 @@ class SerialSteps {
     }
     return pairs;
   }
-  /// Returns true if the pair keeps its floors; else its proposals go to `share`.
-  bool judge(const StepPair& pair, const std::vector<Vec3d>& y, Shortening how, std::vector<double>& share) const {
-    const FeaturePoints<Real> way = points_of(pair, *x_, y);
+  /// Returns true if the pair may go its way; else its proposals go to `share`.
+  bool judge(const StepPair& pair, const std::vector<Vec3<Real>>& start, const std::vector<Vec3<Real>>& end,
+             Shortening how, std::vector<double>& share) const {
     return with_kind(pair, [&](auto kind) {
       using Kind = decltype(kind);
-      if (is_way_free<Kind>(way, pair.floors)) return true;
+      const PairStars<Kind, Real> stars{{{pair.v[0], pair.v[1], pair.v[2], pair.v[3]}},
+                                        {{neighbour_begin_.data(), neighbour_begin_.size()},
+                                         {neighbours_.data(), neighbours_.size()}},
+                                        start.data(),
+                                        end.data()};
+      if (is_way_free(stars, pair.floors)) return true;
+      const FeaturePoints<Real> way = collided::points_of(stars.s, start.data(), end.data());
       const Shares shares = shares_of_failed<Kind>(way, pair.floors, how);
       for (size_t i = 0; i < 4; ++i) {
         double& least = share[group_[pair.v[i]]];
@@ -246,7 +267,11 @@ class SerialSteps {
     for (const size_t i : failed) looks[i] = true;
     std::vector<size_t> work;
     for (size_t i = 0; i < pairs.size(); ++i) {
-      for (const uint32_t v : pairs[i].v) looks[i] = looks[i] || has_changed[group_[v]];
+      for (const uint32_t v : pairs[i].v) {
+        looks[i] = looks[i] || has_changed[group_[v]];
+        for (uint32_t n = neighbour_begin_[v]; pairs[i].floors.is_tiny && n < neighbour_begin_[v + 1]; ++n)
+          looks[i] = looks[i] || has_changed[group_[neighbours_[n]]];
+      }
       if (looks[i] && pairs[i].may_fail) work.push_back(i);
     }
     return work;
@@ -258,6 +283,7 @@ class SerialSteps {
   uint32_t first_round_ = 0;
   std::vector<uint32_t> group_;
   std::set<std::pair<uint32_t, uint32_t>> edges_;
+  std::vector<uint32_t> neighbour_begin_, neighbours_;  ///< of all vertices, as VertexRings
   std::vector<StepPair> all_;
   const std::vector<Vec3d>*x_ = nullptr, *p_ = nullptr;
 };

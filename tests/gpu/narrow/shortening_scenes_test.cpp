@@ -10,34 +10,6 @@ namespace collided::test {
 namespace {
 
 constexpr double kM = 1e-3;
-constexpr FractionOf kFractionsOf[] = {FractionOf::kVertex, FractionOf::kMesh, FractionOf::kScene};
-
-void add(StepScene& scene, const Shape& shape, bool fixed = false) { scene.add(shape.vertices, shape.faces, fixed); }
-
-/// Moves the vertices of a mesh.
-template <class Move>
-std::vector<Vec3d> moved(const StepScene& scene, std::vector<Vec3d> x, uint32_t mesh, const Move& move) {
-  for (size_t v = 0; v < x.size(); ++v)
-    if (scene.mesh[v] == mesh) x[v] = move(x[v]);
-  return x;
-}
-std::vector<Vec3d> moved_by(const StepScene& scene, const std::vector<Vec3d>& x, uint32_t mesh, const Vec3d& by) {
-  return moved(scene, x, mesh, [&](const Vec3d& p) { return plus(p, by); });
-}
-double least_height(const StepScene& scene, const std::vector<Vec3d>& x, uint32_t mesh) {
-  double least = HUGE_VAL;
-  for (size_t v = 0; v < x.size(); ++v)
-    if (scene.mesh[v] == mesh) least = std::min(least, x[v][2]);
-  return least;
-}
-double least_of(const std::vector<double>& fractions) { return *std::ranges::min_element(fractions); }
-
-StepScene cube_over_floor(double gap) {
-  StepScene scene;
-  add(scene, sheet(4, 4, {0, 0, 0}), true);
-  add(scene, cube(1, {0.13, 0.21, gap}));
-  return scene;
-}
 
 TEST(FreeSteps, OfWhatSlidesOnATiltedFloor) {
   for (const double gap : {1e-8, 1e-6, kM / 2, kM}) {
@@ -139,20 +111,6 @@ TEST(FlyBys, KeepSevenEighthsOnTheWay) {
   std::printf("%zu passed by, %zu stopped, %zu at between 7/8 and 1 of the minimum separation\n", free, stopped,
               between);
   findings.expect_none();
-}
-
-// What touches stands; all else is free.
-TEST(TouchingStarts, StandUnlessTheyPart) {
-  const StepScene scene = cube_over_floor(0);
-  SerialSteps<double> steps(scene, kM, FractionOf::kVertex);
-  const auto p = moved_by(scene, scene.positions, 1, {0.01, 0.02, -0.003});
-  const StepResult result = steps.advance(scene.positions, p);
-  Random random(1);
-  Findings findings;
-  judge_step(scene, steps, kM, scene.positions, p, result, 200, random, findings);
-  findings.crossed = 0;  // triangles that touched go on touching
-  findings.expect_none();
-  EXPECT_EQ(least_height(scene, result.y, 1), 0);
 }
 
 TEST(PressedSteps, EndAtTheirFloorsAndPartAgain) {

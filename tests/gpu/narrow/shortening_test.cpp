@@ -15,8 +15,6 @@
 namespace collided::test {
 namespace {
 
-constexpr FractionOf kFractionsOf[] = {FractionOf::kVertex, FractionOf::kMesh, FractionOf::kScene};
-
 template <class T>
 bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;

@@ -51,6 +51,15 @@ inline bool is_below(const Query& query, double distance) {
   return distance > 0 && judge_proximity(query.kind, end, std::nextafter(distance, 0));
 }
 
+/// Whether features touch after the start.
+inline bool touches_later(const Query& query) {
+  const ExactImpact first = judge_ccd(query);
+  if (!first.hit || first.lower > 0) return first.hit;
+  Query back = query;  // from the end, where they touch last
+  std::ranges::rotate(back.p, back.p.begin() + 4);
+  return judge_ccd(back).lower < 1;
+}
+
 inline void judge_triangles_of(const StepScene& scene, const std::vector<Vec3d>& y, Findings& findings) {
   const auto corners = [&](const std::array<uint32_t, 3>& t) {
     return std::array<Vec3d, 3>{y[t[0]], y[t[1]], y[t[2]]};
@@ -91,7 +100,7 @@ void judge_step(const StepScene& scene, const SerialSteps<Real>& steps, double m
     passages.push_back(query);
     if (pair.may_fail && pair.floors.is_tiny) {
       ++findings.tiny;
-      findings.passed += judge_ccd(query).hit;
+      findings.passed += touches_later(query);
       continue;
     }
     const double near = 1.5 * (pair.may_fail ? pair.floors.kept : m);
@@ -105,7 +114,7 @@ void judge_step(const StepScene& scene, const SerialSteps<Real>& steps, double m
     findings.ends_below += is_below(floor.query, floor.end);
     findings.ways_below += judge_ccd(floor.query, floor.way).hit;
   }
-  for (const Query& query : passages) ++findings.passages, findings.passed += judge_ccd(query).hit;
+  for (const Query& query : passages) ++findings.passages, findings.passed += touches_later(query);
   judge_triangles_of(scene, result.y, findings);
 }
 

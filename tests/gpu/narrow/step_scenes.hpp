@@ -83,6 +83,35 @@ std::vector<Vec3d> rounded_to(std::vector<Vec3d> positions) {
   return positions;
 }
 
+inline constexpr FractionOf kFractionsOf[] = {FractionOf::kVertex, FractionOf::kMesh, FractionOf::kScene};
+
+inline void add(StepScene& scene, const Shape& shape, bool fixed = false) { scene.add(shape.vertices, shape.faces, fixed); }
+
+/// Moves the vertices of a mesh.
+template <class Move>
+std::vector<Vec3d> moved(const StepScene& scene, std::vector<Vec3d> x, uint32_t mesh, const Move& move) {
+  for (size_t v = 0; v < x.size(); ++v)
+    if (scene.mesh[v] == mesh) x[v] = move(x[v]);
+  return x;
+}
+inline std::vector<Vec3d> moved_by(const StepScene& scene, const std::vector<Vec3d>& x, uint32_t mesh, const Vec3d& by) {
+  return moved(scene, x, mesh, [&](const Vec3d& p) { return plus(p, by); });
+}
+inline double least_height(const StepScene& scene, const std::vector<Vec3d>& x, uint32_t mesh) {
+  double least = HUGE_VAL;
+  for (size_t v = 0; v < x.size(); ++v)
+    if (scene.mesh[v] == mesh) least = std::min(least, x[v][2]);
+  return least;
+}
+inline double least_of(const std::vector<double>& fractions) { return *std::ranges::min_element(fractions); }
+
+inline StepScene cube_over_floor(double gap) {
+  StepScene scene;
+  add(scene, sheet(4, 4, {0, 0, 0}), true);
+  add(scene, cube(1, {0.13, 0.21, gap}));
+  return scene;
+}
+
 /// Two sheets, a cube over a sheet that stands, two balls over one, or a tetrahedron whose corner points at a sheet.
 inline StepScene any_scene(int which, double gap) {
   StepScene scene;
