@@ -154,5 +154,12 @@ Four<Work> scaled_thickness(double thickness, const Four<double>& scale) {
     for (int k = 0; k < 4; ++k) out.set(k, scaled_thickness<Work>(thickness, scale[k]));
   return out;
 }
+/// Each for its own.
+template <class Work>
+Work scaled_thickness(const Four<double>& thickness, const Four<double>& scale) {
+  Work out;
+  for (int k = 0; k < 4; ++k) out.set(k, scaled_thickness<float>(thickness[k], scale[k]));
+  return out;
+}
 
 }  // namespace collided

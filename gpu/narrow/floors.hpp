@@ -38,10 +38,10 @@ struct PositionNoise<float> {
 
 /// Returns the largest coordinate of the four vertices at both ends of the step.
 template <class Real>
-COLLIDED_HD double largest_coordinate(const FeaturePoints<Real>& p) {
+COLLIDED_HD DoubleOf<Real> largest_coordinate(const FeaturePoints<Real>& p) {
   Real largest = 0;
   for (int i = 0; i < 4; ++i) largest = max(largest, max(largest_component(p.start[i]), largest_component(p.end[i])));
-  return static_cast<double>(largest);
+  return static_cast<DoubleOf<Real>>(largest);
 }
 
 /// Holds what a pair's floors depend on, in the units of the positions. Its clearance is the other part.

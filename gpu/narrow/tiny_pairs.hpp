@@ -1,7 +1,7 @@
 #pragma once
 // Pairs that start so near each other that certificates in double tell little of them (floors.hpp). Such a pair may
 // move if it comes no nearer along one fixed direction that separates it at the start: then that direction separates it
-// all along, for ways are straight. Else integers decide (step/blocking_pairs.hpp).
+// all along, for ways are straight. Or it moves as one, or integers decide (step/blocking_pairs.hpp).
 
 #include "gpu/base/points.hpp"
 #include "gpu/base/precision.hpp"
@@ -31,6 +31,17 @@ COLLIDED_HD inline ChangeTerm change_along_axis(double n, double x_i, double y_i
 }
 
 }  // namespace detail
+
+/// True if the features' vertices all go the same way, to the last bit: they stand in a frame that moves.
+template <class Real>
+COLLIDED_HD bool moves_as_one(const FeaturePoints<Real>& p) {
+  const auto is_same = [&](int i, Real Vec3<Real>::*axis) {
+    return detail::is_same_difference(p.end[i].*axis, p.start[i].*axis, p.end[0].*axis, p.start[0].*axis);
+  };
+  for (int i = 1; i < 4; ++i)
+    if (!is_same(i, &Vec3<Real>::x) || !is_same(i, &Vec3<Real>::y) || !is_same(i, &Vec3<Real>::z)) return false;
+  return true;
+}
 
 /// True if no difference of the features' vertices is certain to be less along n at the end than at the start. False
 /// says nothing. Components of n are below 2.

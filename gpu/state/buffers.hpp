@@ -98,19 +98,22 @@ std::array<Buffers, kFeatureKinds> make_per_kind(Exec& exec) {
   return {Buffers(exec), Buffers(exec)};
 }
 
-/// Pairs of one kind that ways are shortened for: those in CandidateBuffers::screened, by their places there.
+/// Pairs of one kind that ways are shortened for: those that no plane parts whatever their fractions.
 template <Executor Exec>
 struct BlockingPairs {
-  explicit BlockingPairs(Exec& exec) : starts(exec, "advance"), looked_at(exec, "advance"), failed(exec, "advance") {}
+  explicit BlockingPairs(Exec& exec)
+      : pairs(exec, "advance"), starts(exec, "advance"), looked_at(exec, "advance"), failed(exec, "advance") {}
 
   void allocate(uint64_t count) {
+    pairs.allocate(count);
     starts.allocate(count);
     looked_at.allocate(count);
     failed.allocate(count);
   }
 
+  Buffer<uint64_t, Exec> pairs;
   Buffer<StartDistance, Exec> starts;
-  Buffer<uint64_t, Exec> looked_at;  ///< in the round
+  Buffer<uint64_t, Exec> looked_at;  ///< places in `pairs`, in the round
   Buffer<uint64_t, Exec> failed;     ///< likewise
 };
 

@@ -61,7 +61,8 @@ struct StepState {
   Shortcut shortcut;
   double earliest_toi;  ///< of contacts that stay on the backend
 
-  WaysMeasure ways;  ///< of frames that advance
+  WaysMeasure ways;                  ///< of frames that advance
+  uint64_t blocking[kFeatureKinds];  ///< pairs that ways are shortened for
   RoundCounts round;
   WaysGone gone;
 };

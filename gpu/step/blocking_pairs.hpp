@@ -6,7 +6,6 @@
 #include "gpu/exact/fixed/decide.hpp"
 #include "gpu/exact/fixed/parting.hpp"
 #include "gpu/narrow/gather.hpp"
-#include "gpu/narrow/hulls_apart.hpp"
 #include "gpu/narrow/shortening.hpp"
 #include "gpu/search/excluded_pairs.hpp"
 #include "gpu/state/level_needs.hpp"
@@ -40,37 +39,33 @@ struct PairStars {
   COLLIDED_HD void neighbours(int i, const Use& use) const {
     joined.for_each(s.v[i], [&](uint32_t v) { use(convert<double>(start[v]), convert<double>(end[v])); });
   }
+  /// What is joined to both ends of an edge is a corner of its triangles, or leaves the edge less room.
+  template <class Use>
+  COLLIDED_HD void around(int feature, const Use& use) const {
+    if (kFirst == 1) {
+      if (feature == 0) neighbours(0, use);
+      return;
+    }
+    const uint32_t a = s.v[2 * feature], b = s.v[2 * feature + 1];
+    joined.for_each(a, [&](uint32_t v) {
+      if (joined.connect(v, b)) use(convert<double>(start[v]), convert<double>(end[v]));
+    });
+  }
 };
 
-/// True if a pair may go the straight way from x to y, for certain. A tiny pair may as well come nearer, as long as
-/// integers decide that it does not touch, and one that touches at the start may part.
+/// True if a pair may go the straight way from x to y, for certain. A tiny pair may as well move as one, come nearer as
+/// long as integers decide that it does not touch, or touch at the start and part.
 template <class Kind, class Real>
 COLLIDED_LONG COLLIDED_HD bool is_way_free(const PairStars<Kind, Real>& stars, const PairFloors& floors) {
   const FeaturePoints<Real> way = points_of(stars.s, stars.start, stars.end);
   if (keeps_floors<Kind>(way, floors)) return true;
   if (!floors.is_tiny) return false;
+  if (moves_as_one(way)) return true;
   Vec3<double> from[4], to[4];
   for (int k = 0; k < 4; ++k) from[k] = convert<double>(way.start[k]), to[k] = convert<double>(way.end[k]);
   if (exact::fixed::decide<Kind::kKind>(from, to).outcome == exact::fixed::Outcome::kApart) return true;
   return stars.are_small() && exact::fixed::part<Kind::kKind>(stars);
 }
-
-/// Keeps the candidates that no plane parts whatever fractions of their ways the vertices go.
-template <class Real, class Kind>
-struct ScreenHulls {
-  const Vec3<Real>* start;
-  const Vec3<Real>* target;
-  Kind kind;
-  WayRules rules;
-  Span<const uint64_t> candidates;
-  AppendList<uint64_t> survivors;
-
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const FeaturePoints<Real> way = points_of(kind.stencil(candidates[i]), start, target);
-    const double noise = PositionNoise<Real>::kOfFloor * largest_coordinate(way);
-    if (!hulls_are_apart<Kind>(way, rules.floors.reach() + (noise + 2 * rules.off))) survivors.push(candidates[i]);
-  }
-};
 
 /// Pairs of one kind on the backend, and what is known of them. Each vertex that may move has a clearance and belongs
 /// to a group, which has a fraction.

@@ -26,7 +26,8 @@ class ContactPhase {
   /// Finds the pairs that ways are shortened for, and looks at all of them.
   void find_blocking(ShortenPhase<Exec, Real>& shorten) {
     part([&] { candidates_.search(needs_.kinds); });
-    for_each_features([&](const auto& kind) { part([&] { shorten.screen(kind); }); });
+    for_each_features([&](const auto& kind) { part([&] { shorten.glance(kind); }); });
+    shorten.look();
     shorten.measure_starts();
     shorten.judge_all();
   }

@@ -3,6 +3,7 @@
 // enqueue() names the steps in their order; a scene runs those that its spec requires. The backend runs them without
 // asking the host; lists that turn out too short are enlarged to the need and the step runs again.
 
+#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -71,6 +72,10 @@ class Pipeline {
   }
   /// Returns how many pairs had failed when the step ended, or look_at_rounds() was called last.
   uint64_t count_failed() const { return run_.found().round.count_failed(); }
+  void print_counts() {
+    const auto& f = found();
+    std::fprintf(stderr, "kept %llu %llu screened %llu %llu candidates %llu %llu\n", (unsigned long long)f.kept[0], (unsigned long long)f.kept[1], (unsigned long long)f.screened[0], (unsigned long long)f.screened[1], (unsigned long long)f.candidates[0], (unsigned long long)f.candidates[1]);
+  }
   void look_at_rounds() { run_.found() = run_.peek(); }
   /// Runs rounds(shorten) as a step, which ends with its counts known.
   template <class Rounds>

@@ -6,8 +6,13 @@
 
 #include <vector>
 
+#include "gpu/narrow/hulls_apart.hpp"
 #include "gpu/state/context.hpp"
 #include "gpu/step/blocking_pairs.hpp"
+
+#ifndef __CUDACC__
+#include "gpu/narrow/cpu/glance.hpp"
+#endif
 
 namespace collided {
 
@@ -30,18 +35,27 @@ class ShortenPhase {
   }
 
   // The step's own part, to where the frame wants to go.
+  /// Leaves the candidates that a glance does not tell apart whatever fractions of their ways the vertices go.
   template <class Kind>
-  void screen(const Kind& kind) {
-    CandidateBuffers<Exec>& lists = scene_.candidates[kIndexOf<Kind>];
-    StepState* state = scene_.state.data();
-    exec_.stage("screen", [&] {
-      exec_.for_each("screen_hulls", Counted{&state->kept[kIndexOf<Kind>], lists.kept.capacity()},
-                     ScreenHulls<Real, Kind>{scene_.start.data(),
-                                             scene_.end.data(),
-                                             kind,
-                                             rules_,
-                                             lists.kept.all(),
-                                             {lists.screened.all(), &state->screened[kIndexOf<Kind>]}});
+  void glance(const Kind& kind) {
+    constexpr int k = kIndexOf<Kind>;
+    CandidateBuffers<Exec>& lists = scene_.candidates[k];
+    exec_.stage("glance", [&] {
+      exec_.for_each("glance_at_hulls", Counted{&state()->kept[k], lists.kept.capacity()},
+                     GlanceAtHulls<Real, Kind>{hulls_of(kind, lists.kept.all()),
+                                               {lists.screened.all(), &state()->screened[k]}});
+    });
+  }
+  /// Leaves those that a closer look does not tell apart either.
+  void look() {
+    reserve();  // a step by parts has made room for pairs since
+    exec_.stage("hulls", [&] {
+      for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
+        const Buffer<uint64_t, Exec>& screened = scene_.candidates[k].screened;
+        exec_.for_each("look_at_hulls", Counted{&state()->screened[k], screened.capacity()},
+                       LookAtHulls<Real, Kind>{hulls_of(kind, screened.all()),
+                                               {scene_.blocking[k].pairs.all(), &state()->blocking[k]}});
+      });
     });
   }
   /// Lets all vertices go all of their ways.
@@ -53,7 +67,6 @@ class ShortenPhase {
   }
   /// Measures the distances that all pairs start at.
   void measure_starts() {
-    reserve();  // a step by parts has made room for pairs since
     exec_.stage("starts", [&] {
       for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
         exec_.for_each("measure_starts", pairs(k), MeasureStarts<Real, Kind>{ways_of(kind)});
@@ -135,7 +148,11 @@ class ShortenPhase {
       if (value_of(kinds_, Kind::kKind)) use(kIndexOf<Kind>, kind);
     });
   }
-  Counted pairs(int kind) const { return {&state()->screened[kind], scene_.candidates[kind].screened.capacity()}; }
+  Counted pairs(int kind) const { return {&state()->blocking[kind], scene_.blocking[kind].pairs.capacity()}; }
+  template <class Kind>
+  HullsOfPairs<Real, Kind> hulls_of(const Kind& kind, Span<const uint64_t> candidates) const {
+    return {scene_.start.data(), scene_.end.data(), kind, rules_.floors.reach() + 2 * rules_.off, candidates};
+  }
   template <class Kind>
   WaysOfPairs<Real, Kind> ways_of(const Kind& kind) const {
     constexpr int k = kIndexOf<Kind>;
@@ -143,7 +160,7 @@ class ShortenPhase {
             scene_.end.data(),
             kind,
             rules_.floors,
-            scene_.candidates[k].screened.all(),
+            scene_.blocking[k].pairs.all(),
             scene_.blocking[k].starts.all(),
             scene_.topology.joined(),
             group_of(),

@@ -1,17 +1,20 @@
 #pragma once
 // Features that touch at the start, and part.
 //
-// The star of a feature is its vertices and all that an edge joins to them. A direction n parts two stars S and T if
-// n . (s - t) >= 0 for all s in S and t in T, at the start and at the end, and so between, for ways are straight. The
-// features part if n . (s - t) > 0 at the end for all of their own vertices.
+// The star of a vertex is the vertex and all that an edge joins to it. That of an edge is its triangles, and that of a
+// triangle is the triangle. A direction n parts two stars S and T if n . (s - t) >= 0 for all s in S and t in T, at the
+// start and at the end, and so between, for ways are straight. The features part if n . (s - t) > 0 at the end for all
+// of their own vertices.
 //
-// Then no edge pierces a triangle later on. For let an edge and a triangle have a point in common at t > 0. Without one
-// at the start, a vertex and a triangle or two edges of theirs would first meet between; such pairs are judged by
-// themselves. With one, such a pair touches at the start. It is in the stars, which lie on either side of a plane across
-// n all along, so that the two can meet in that plane alone, which the features of that pair have left.
+// Then no edge pierces a triangle later on. For let an edge and a triangle have a point in common at t > 0. If they had
+// none at the start, a vertex and a triangle or two edges of theirs meet between, and such pairs are judged by
+// themselves. If they had one, some such pair of theirs touches at the start. Its stars contain the edge and the
+// triangle and lie on either side of a plane across n all along. So the two have points in common in that plane alone,
+// and then some pair of theirs touches at t: but those that touched have left the plane, and the others never touch.
 //
-// The direction has to know the side: n . (s - t) > 0 at the start for some of the stars. Sheets that lie on each other
-// have two sides, and no direction that tells them apart.
+// n has to know the side: with a vertex, that something of its own star lies above it along n; with edges, that the
+// stars do not lie in one plane across n. What else a triangle is joined to is no evidence: a coin in a pit, whose walls
+// rise beside it, would leave it through the bottom. So flat on flat stands, for it has two sides.
 
 #include "gpu/exact/fixed/differences.hpp"
 
@@ -35,8 +38,9 @@ struct Bounds {
   }
 };
 
-/// `Stars` has kFirst, the number of the first feature's vertices, own(i, use) for each of the four vertices, and
-/// neighbours(i, use) for all that an edge joins to it: use(start, end).
+/// `Stars` has kFirst, the number of the first feature's vertices; own(i, use) for each of the four vertices;
+/// around(feature, use) for what else is in the star of a feature, 0 or 1; neighbours(i, use) for what an edge joins to
+/// a vertex; kMostEdges, how many of these are looked at for directions. They call use(start, end).
 template <ContactKind kind, int W, class Stars>
 class Parting {
  public:
@@ -87,20 +91,24 @@ class Parting {
     if (side == 0) return false;
     for (const Moving<W>& d : features_.d)
       if (wide_dot(d.p[1], n).sign() != side || wide_dot(d.p[0], n).sign() == -side) return false;
-    Bounds<N + W> first[2], second[2];  // at the start and at the end
-    for (int i = 0; i < 4; ++i) {
-      Bounds<N + W>(&bounds)[2] = i < Stars::kFirst ? first : second;
-      const auto add = [&](const Vec3<double>& x, const Vec3<double>& y) {
-        bounds[0].add(wide_dot(n, unit_.template count<W>(x) - base_));
-        bounds[1].add(wide_dot(n, unit_.template count<W>(y) - base_));
-      };
-      stars_.own(i, add);
-      stars_.neighbours(i, add);
-    }
-    const Bounds<N + W>(&upper)[2] = side > 0 ? first : second, (&lower)[2] = side > 0 ? second : first;
+    Bounds<N + W> stars[2][2];  // of either feature, at the start and at the end
+    for (int i = 0; i < 4; ++i) stars_.own(i, adding<N>(n, stars[i < Stars::kFirst ? 0 : 1]));
+    const Integer<N + W> corner = stars[0][0].least;  // of a vertex: where it is
+    for (int f = 0; f < 2; ++f) stars_.around(f, adding<N>(n, stars[f]));
+    const int above = side > 0 ? 0 : 1;
+    const Bounds<N + W>(&upper)[2] = stars[above], (&lower)[2] = stars[1 - above];
     for (int at = 0; at < 2; ++at)
       if (is_less(upper[at].least, lower[at].greatest)) return false;
-    return is_less(lower[0].least, upper[0].greatest);
+    if (kind == ContactKind::kEdgeEdge) return is_less(lower[0].least, upper[0].greatest);
+    return side > 0 ? is_less(corner, stars[0][0].greatest) : is_less(stars[0][0].least, corner);
+  }
+  /// Adds where vertices are along n at the start and at the end.
+  template <int N>
+  COLLIDED_HD auto adding(const Vec3<Integer<N>>& n, Bounds<N + W> (&bounds)[2]) const {
+    return [&](const Vec3<double>& x, const Vec3<double>& y) {
+      bounds[0].add(wide_dot(n, unit_.template count<W>(x) - base_));
+      bounds[1].add(wide_dot(n, unit_.template count<W>(y) - base_));
+    };
   }
 
   const Unit& unit_;
@@ -116,7 +124,7 @@ COLLIDED_HD COLLIDED_CALLED bool part(const Stars& stars) {
   const auto see = [&](const Vec3<double>& x, const Vec3<double>& y) {
     unit.see(x.x), unit.see(x.y), unit.see(x.z), unit.see(y.x), unit.see(y.y), unit.see(y.z);
   };
-  for (int i = 0; i < 4; ++i) stars.own(i, see), stars.neighbours(i, see);
+  for (int i = 0; i < 4; ++i) stars.own(i, see), stars.neighbours(i, see);  // among them what is around the features
   if (unit.fits<1>()) return Parting<kind, 1, Stars>(unit, stars).look();
   if (unit.fits<2>()) return Parting<kind, 2, Stars>(unit, stars).look();
   return false;

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "gpu/narrow/hulls_apart.hpp"
 #include "gpu/positions/blend.hpp"
 #include "gpu/step/blocking_pairs.hpp"
 #include "tests/support/families/query_families_shapes.hpp"
