@@ -96,4 +96,19 @@ struct MaybeCoplanar {
   }
 };
 
+/// Keeps the candidates that the filter keeps, of those that a search has stored without it.
+template <class Real, class Kind>
+struct FilterCandidates {
+  const Vec3<Real>* start;
+  const Vec3<Real>* end;
+  Kind kind;
+  MaybeCoplanar<Real> keep;
+  Span<const uint64_t> candidates;
+  AppendList<uint64_t> kept;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    if (keep(kind, points_of(kind.stencil(candidates[i]), start, end))) kept.push(candidates[i]);
+  }
+};
+
 }  // namespace collided

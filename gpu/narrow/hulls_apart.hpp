@@ -101,23 +101,29 @@ struct HullsOfPairs {
   COLLIDED_HD FeaturePoints<Real> way(uint64_t i) const { return points_of(kind.stencil(candidates[i]), start, target); }
 };
 
-/// Keeps the candidates that a glance does not tell apart.
+/// Keeps the candidates that a glance does not tell apart. Contacts are among them.
 template <class Real, class Kind>
 struct GlanceAtHulls {
   HullsOfPairs<Real, Kind> pairs;
+  double contacts_within;  ///< what the positions of their features say
+  Deviations deviations;
   AppendList<uint64_t> survivors;
+
+  COLLIDED_HD double reach() const {
+    return max(pairs.reach, Deviations::widened(contacts_within, deviations.of_any_pair()));
+  }
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const FeaturePoints<Real> way = pairs.way(i);
     DifferencesOf<float, Kind> d;
     if (load_differences<Kind, float>(way, d) &&
-        hulls_are_apart_at_a_glance<Kind>(d, way, hulls_distance<Real>(pairs.reach, largest_coordinate(way))))
+        hulls_are_apart_at_a_glance<Kind>(d, way, hulls_distance<Real>(reach(), largest_coordinate(way))))
       return;
     survivors.push(pairs.candidates[i]);
   }
 };
 
-/// Keeps those of them that a closer look does not tell apart either.
+/// Keeps those of them that a closer look does not tell apart either. A glance from farther away may have kept them.
 template <class Real, class Kind>
 struct LookAtHulls {
   HullsOfPairs<Real, Kind> pairs;
@@ -125,7 +131,7 @@ struct LookAtHulls {
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const FeaturePoints<Real> way = pairs.way(i);
-    if (!hulls_are_apart_closely<Kind>(way, hulls_distance<Real>(pairs.reach, largest_coordinate(way))))
+    if (!hulls_are_apart<Kind>(way, hulls_distance<Real>(pairs.reach, largest_coordinate(way))))
       survivors.push(pairs.candidates[i]);
   }
 };

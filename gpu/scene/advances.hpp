@@ -4,7 +4,7 @@
 // (step/shorten_phase.hpp).
 
 #include <cmath>
-#include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "gpu/base/groups.hpp"
@@ -30,30 +30,45 @@ class Advances {
         positions_(positions),
         pipeline_(pipeline) {}
 
-  /// Goes from the end of the frame's own step back to where the scene can go.
-  void go(AdvanceMode mode, FrameResult& result) {
-    const size_t own_stages = result.stages.size();
-    positions_.keep_target();
+  /// Finds the contacts on the whole way to the frame's positions, then goes as far as the scene can.
+  FrameResult detect(bool boxes_static, const FrameInput& frame, const FrameSettings& settings) {
     exec_.stage("advance", [&] {
       require_neighbours();
-      require_groups(mode);
+      require_groups(frame.advance_mode);
     });
     const WaysMeasure measured = pipeline_.measure_ways();
-    const FrameResult found = pipeline_.find_blocking(rules(measured), largest_coordinate(measured));
+    FrameResult result = detect(boxes_static, frame, settings, rules(measured));
+    positions_.keep_target();
     WaysGone gone = GoneOfWay<Real>::nothing();
     pipeline_.shorten([&](ShortenPhase<Exec, Real>& shorten) {
       if (run_rounds(shorten) == 0) return;  // all went all of their way
       gone = shorten.add_up(positions_.target(), measured.longest);
-      if (gone.least_bits != kWholeBits) tell(mode, shorten.fractions(positions_.target()), result.shortened);
+      if (gone.least_bits != kWholeBits)
+        tell(frame.advance_mode, shorten.fractions(positions_.target()), result.shortened);
     });
     result.advanced = detail::bit_copy<double>(gone.least_bits);
     result.way = gone.all > 0 ? static_cast<double>(gone.gone) / static_cast<double>(gone.all) : *result.advanced;
-    add_costs(result, own_stages, found);
+    add_costs(result);
+    return result;
   }
 
  private:
   const SceneShape& shape() const { return model_.shape(); }
   uint32_t vertices() const { return shape().vertex_offset.back(); }
+
+  /// The frame's own step, which judges the pairs that may block ways.
+  FrameResult detect(bool boxes_static, const FrameInput& frame, const FrameSettings& settings,
+                     const WayRules& rules) {
+    if (!model_.spec().kinds.triangle_triangle)
+      return pipeline_.detect_blocking(boxes_static, settings, frame.bytes_beside_contact, frame.room, rules);
+    FrameResult result =
+        pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
+    const size_t own_stages = result.stages.size();
+    const FrameResult found = pipeline_.find_blocking(rules);
+    result.replays += found.replays;
+    search_stages_ = {own_stages, found.stages.size()};
+    return result;
+  }
 
   void require_neighbours() {
     if (topology_.neighbour_begin.capacity() > 0) return;
@@ -89,7 +104,8 @@ class Advances {
   WayRules rules(const WaysMeasure& measured) const {
     const Vec3<float> extent = measured.start.hi - measured.start.lo;
     return {FloorRules::of(model_.spec().min_separation, std::fmax(extent.x, std::fmax(extent.y, extent.z))),
-            rounded_up(positions_.off_straight())};
+            rounded_up(positions_.off_straight()),
+            PositionNoise<Real>::kOfFloor * largest_coordinate(measured)};
   }
   static double largest_coordinate(const WaysMeasure& measured) {
     const double start = max(largest_component(measured.start.lo), largest_component(measured.start.hi));
@@ -103,7 +119,7 @@ class Advances {
     if (shard_ != nullptr) join_starts(shorten);
     uint32_t round = 0;
     for (; any_failed(); ++round) {
-      exec_.stage("shorten", [&] {
+      exec_.stage("advance", [&] {
         shorten.propose(round);
         join_shares();
         if (shortening_of(round) == Shortening::kIslands) join_islands(shorten);
@@ -157,15 +173,15 @@ class Advances {
     }
   }
 
-  /// Adds the costs of all that came after the frame's own step, as one stage.
-  void add_costs(FrameResult& result, size_t own_stages, const FrameResult& found) {
-    result.replays += found.replays;
+  /// Adds the costs of the advance, as one stage.
+  void add_costs(FrameResult& result) {
     result.allocations = exec_.allocations();
     result.graph_launches = exec_.graph_launches();
     result.step_milliseconds = exec_.step_milliseconds();
     result.stages = exec_.stage_times();
-    if (std::getenv("SPLIT") == nullptr) make_one_stage(result.stages, own_stages, result.stages.size(), "advance");
-    if (std::getenv("SPLIT") != nullptr) pipeline_.print_counts();
+    const auto [first, end] = std::exchange(search_stages_, {});
+    if (first < end) make_one_stage(result.stages, first, end, "advance");
+    gather_stages(result.stages, "advance");
   }
 
   Exec& exec_;
@@ -175,6 +191,7 @@ class Advances {
   const ShardOf* const shard_;
   ResidentPositions<Exec, Real>& positions_;
   Pipeline<Exec, Real>& pipeline_;
+  std::pair<size_t, size_t> search_stages_{};  ///< of a search for the advance alone: the first, and behind the last
 };
 
 }  // namespace collided

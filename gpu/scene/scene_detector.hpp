@@ -137,9 +137,8 @@ class SceneDetector final : public Detector {
   /// Finds the contacts of the positions that are resident.
   FrameResult search(const FrameInput& frame, const FrameSettings& settings, bool boxes_static) {
     try {
-      FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
-      if (frame.advance) advances_.go(frame.advance_mode, result);
-      return result;
+      if (frame.advance) return advances_.detect(boxes_static, frame, settings);
+      return pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
     } catch (...) {
       if (frame.progress != nullptr) tell_progress(settings.is_ccd(), *frame.progress);
       throw;

@@ -11,9 +11,12 @@ namespace collided {
 /// Holds what the floors of a step that advances depend on.
 struct WayRules {
   FloorRules floors;
-  double off = 0;  ///< how far vertices of rigid meshes may be off their straight ways, besides blend()'s rounding
+  double off = 0;    ///< how far vertices of rigid meshes may be off their straight ways, besides blend()'s rounding
+  double noise = 0;  ///< the largest of any pair (floors.hpp), in the unit of the positions
 
   bool operator==(const WayRules&) const = default;
+  /// Pairs within this distance may have to be shortened.
+  COLLIDED_HD double reach() const { return 1.001 * floors.reach() + 2 * off + noise; }
 };
 
 struct LevelNeeds {
@@ -21,8 +24,9 @@ struct LevelNeeds {
   PerKind<bool> kinds = {};
   FieldSet fields = {};           ///< that are asked for
   bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
-  bool advances = false;          ///< the step finds the pairs that ways are shortened for
-  WayRules ways = {};             ///< of such a step
+  bool tells_contacts = true;
+  bool advances = false;  ///< the step finds the pairs that ways are shortened for
+  WayRules ways = {};     ///< of such a step
   bool has_room = false;          ///< there is memory of the backend for contacts
   ContactWidths widths = {};      ///< of what is put there
 
@@ -71,17 +75,19 @@ struct LevelNeeds {
     return all;
   }
 
-  /// A filter in float rules candidates out before they are stored.
-  bool has_filter() const {
-    return !advances && settings.accuracy >= (is_ccd() ? Accuracy::kGuarded : Accuracy::kCertified);
-  }
+  /// What boxes are grown by, so that all pairs are found that matter to the step.
+  double reach() const { return max(settings.reach(), advances ? ways.reach() : 0.0); }
+  /// A filter in float rules candidates out.
+  bool has_filter() const { return settings.accuracy >= (is_ccd() ? Accuracy::kGuarded : Accuracy::kCertified); }
+  /// It does so before they are stored.
+  bool filters_searches() const { return has_filter() && !advances; }
   /// CCD tries a fixed direction before it follows the features, and float goes ahead of double.
   bool is_screened() const { return is_ccd() && settings.accuracy >= Accuracy::kGuarded; }
   bool is_approached() const { return is_screened() && settings.accuracy >= Accuracy::kCertified; }
   /// DCD looks again at pairs that are neither certain to be apart nor certain to be within the thickness.
   bool looks_twice() const { return !is_ccd() && settings.accuracy >= Accuracy::kCertified; }
 
-  bool judges_resolution() const { return !advances && settings.accuracy >= Accuracy::kGuarded; }
+  bool judges_resolution() const { return tells_contacts && settings.accuracy >= Accuracy::kGuarded; }
 };
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings, const ContactRoom& room = {}) {
@@ -96,13 +102,12 @@ inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings,
   return needs;
 }
 
-/// Returns the needs of the step that finds the pairs whose vertices' ways may have to be shortened. These are all
-/// pairs that come within the highest floor. `noise`: the largest of any pair, in the units of the positions.
-inline LevelNeeds needs_of_ways(const SceneSpec& spec, const WayRules& ways, double noise) {
-  const double reach = 1.001 * ways.floors.reach() + 2 * ways.off + noise;
-  LevelNeeds needs{
-      {Mode::kCcd, Accuracy::kGuarded, 0, Report::kAll, reach, reach, false}, spec.kinds, {ContactField::kElements}};
+/// Returns the needs of a step that finds the pairs whose vertices' ways may have to be shortened, and nothing else.
+inline LevelNeeds needs_of_ways(const SceneSpec& spec, const WayRules& ways) {
+  const FrameSettings settings{Mode::kCcd, Accuracy::kGuarded, 0, Report::kAll, 0, 0, false};
+  LevelNeeds needs{settings, spec.kinds, {ContactField::kElements}};
   needs.kinds.triangle_triangle = false;
+  needs.tells_contacts = false;
   needs.advances = true;
   needs.ways = ways;
   return needs;

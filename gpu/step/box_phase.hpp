@@ -94,7 +94,7 @@ class BoxPhase {
     return runs;
   }
   Motion<Real> motion() const {
-    const Real half = static_cast<Real>(needs_.settings.reach()) / 2;
+    const Real half = static_cast<Real>(needs_.reach()) / 2;
     const SceneBuffers<Exec, Real>& scene = context_.scene;
     return {scene.positions_at_start(needs_.is_ccd()), end_ != nullptr ? end_ : scene.end.data(),
             half == 0 ? half : next_up(half)};

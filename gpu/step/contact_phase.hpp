@@ -23,18 +23,21 @@ class ContactPhase {
     if (is_of_features(first_of(needs_.kinds))) detect_features();
     if (needs_.kinds.triangle_triangle) detect_triangles();
   }
-  /// Finds the pairs that ways are shortened for, and looks at all of them.
-  void find_blocking(ShortenPhase<Exec, Real>& shorten) {
+  /// Finds the pairs that ways are shortened for, looks at all of them, and finds the contacts if they are wanted.
+  void detect_blocking(ShortenPhase<Exec, Real>& shorten) {
     part([&] { candidates_.search(needs_.kinds); });
     for_each_features([&](const auto& kind) { part([&] { shorten.glance(kind); }); });
-    shorten.look();
-    shorten.measure_starts();
-    shorten.judge_all();
+    shorten.find_blocking();
+    if (!needs_.tells_contacts) return;
+    detect_side_by_side();
   }
   void keep_earliest() {
     part([&] { narrow_.keep_earliest(); });
   }
-  bool has_hit() const { return needs_.is_any_hit() && run_.found().shortcut.has_contact != 0; }
+  /// Whether nothing else matters.
+  bool has_hit() const {
+    return needs_.is_any_hit() && !needs_.advances && run_.found().shortcut.has_contact != 0;
+  }
   /// A step has ended: the next one at kAnyHit guesses that it is like this one.
   void finish() {
     if (needs_.is_any_hit()) had_hit_ = has_hit();

@@ -67,7 +67,7 @@ class NarrowPhase {
     };
     for (int kind = 0; kind < kFeatureKinds; ++kind) {
       check(scene_.candidates[kind].kept, need.kept[kind]);
-      check(scene_.candidates[kind].screened, need.screened[kind]);
+      check(scene_.candidates[kind].screened, max(need.screened[kind], need.glanced[kind]));
       check(scene_.candidates[kind].resumable, need.resumable[kind]);
     }
     check(scene_.triangle_pairs, need.triangle_pairs);
@@ -91,9 +91,10 @@ class NarrowPhase {
   template <class Kind, class Part>
   void detect(const Kind& kind, const Part& part) {
     exec_.stage(Kind::kNarrow, [&] {
+      if (needs().advances) return detect_screened(kind, filter(kind), part);
       const AppendList<uint64_t> list = kept(Kind::kKind);
       const Counted count{list.count, list.items.size(), list.most_in_vain()};
-      if (needs().is_screened()) return detect_screened(kind, count, part);
+      if (needs().is_screened()) return detect_screened(kind, list, part);
       part([&] { run(kind, count, list.items); });
       if (needs().looks_twice()) part([&] { look_again(kind); });
     });
@@ -115,7 +116,7 @@ class NarrowPhase {
   }
   /// The others are completed and put in order.
   void finish() {
-    if (needs().is_any_hit() && !needs().is_exact()) return;
+    if (!needs().tells_contacts || (needs().is_any_hit() && !needs().is_exact())) return;
     if (needs().decides_in_step()) exec_.stage("decide", [&] { decide(); });
     if (needs().columns().has(ContactField::kNormals)) exec_.stage("normals", [&] { write_normals(); });
     exec_.stage("order", [&] { order(); });
@@ -196,23 +197,41 @@ class NarrowPhase {
 
   // The narrow phase of each level.
   template <class Kind, class Candidate>
-  CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
+  CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, Span<const Candidate> candidates) const {
     return {scene_.positions_at_start(needs().is_ccd()),
             scene_.end.data(),
             needs().settings.thickness,
             {needs().settings.encoding, scene_.deviations(true)},
             needs().settings.delta,
             kind,
-            candidates.all()};
+            candidates};
+  }
+  template <class Kind, class Candidate>
+  CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
+    return queries<Kind, Candidate>(kind, Span<const Candidate>(candidates.all()));
+  }
+  /// Filters what a glance has left of candidates that were stored without a filter. Rounds that shorten ways use the
+  /// list's memory afterwards.
+  template <class Kind>
+  AppendList<uint64_t> filter(const Kind& kind) {
+    constexpr int k = kIndexOf<Kind>;
+    StepState* state = scene_.state.data();
+    const Buffer<uint64_t, Exec>& glanced = scene_.candidates[k].screened;
+    const AppendList<uint64_t> filtered{scene_.blocking[k].looked_at.all(), &state->filtered[k]};
+    exec_.for_each("filter_candidates", Counted{&state->glanced[k], glanced.capacity()},
+                   FilterCandidates<Real, Kind>{
+                       scene_.start.data(), scene_.end.data(), kind, {&state->filter}, glanced.all(), filtered});
+    return filtered;
   }
   template <class Kind, class Part>
-  void detect_screened(const Kind& kind, const Counted& kept, const Part& part) {
+  void detect_screened(const Kind& kind, const AppendList<uint64_t>& kept, const Part& part) {
     constexpr int k = kIndexOf<Kind>;
     StepState* state = scene_.state.data();
     const CandidateBuffers<Exec>& lists = candidates_of(Kind::kKind);
     part([&] {
-      exec_.for_each("screen_ccd", kept,
-                     ScreenCcd<Real, Kind>{queries(kind, lists.kept), {lists.screened.all(), &state->screened[k]}});
+      exec_.for_each("screen_ccd", Counted{kept.count, kept.items.size(), kept.most_in_vain()},
+                     ScreenCcd<Real, Kind>{queries<Kind, uint64_t>(kind, kept.items),
+                                           {lists.screened.all(), &state->screened[k]}});
     });
     if (!needs().is_approached()) {
       if (found_ != nullptr) expect_contacts(lists, found_->screened[k]);

@@ -3,7 +3,6 @@
 // enqueue() names the steps in their order; a scene runs those that its spec requires. The backend runs them without
 // asking the host; lists that turn out too short are enlarged to the need and the step runs again.
 
-#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -65,17 +64,23 @@ class Pipeline {
                       WaysMeasure{empty_box(), 0}, JoinMeasures{}, &context_.state()->ways);
     return run_.peek().ways;
   }
-  /// Finds the pairs that ways are shortened for, and looks at all of them. `largest`: no coordinate is larger.
-  FrameResult find_blocking(const WayRules& rules, double largest) {
+  /// Finds the frame's contacts, and the pairs that ways are shortened for, and judges these where all vertices go all of
+  /// their ways. Not for pairs of triangles: they are those whose boxes meet, and boxes are wider.
+  FrameResult detect_blocking(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact,
+                              const ContactRoom& room, const WayRules& ways) {
     scene_.share.send(exec_);
-    return detect(false, needs_of_ways(spec_, rules, PositionNoise<Real>::kOfFloor * largest), 0, {});
+    LevelNeeds needs = needs_of(spec_, settings, room);
+    needs.advances = true;
+    needs.ways = ways;
+    return detect(boxes_static, needs, bytes_beside_contact, room);
+  }
+  /// The same without contacts.
+  FrameResult find_blocking(const WayRules& ways) {
+    scene_.share.send(exec_);
+    return detect(false, needs_of_ways(spec_, ways), 0, {});
   }
   /// Returns how many pairs had failed when the step ended, or look_at_rounds() was called last.
   uint64_t count_failed() const { return run_.found().round.count_failed(); }
-  void print_counts() {
-    const auto& f = found();
-    std::fprintf(stderr, "kept %llu %llu screened %llu %llu candidates %llu %llu\n", (unsigned long long)f.kept[0], (unsigned long long)f.kept[1], (unsigned long long)f.screened[0], (unsigned long long)f.screened[1], (unsigned long long)f.candidates[0], (unsigned long long)f.candidates[1]);
-  }
   void look_at_rounds() { run_.found() = run_.peek(); }
   /// Runs rounds(shorten) as a step, which ends with its counts known.
   template <class Rounds>
@@ -121,7 +126,7 @@ class Pipeline {
  private:
   FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact,
                      const ContactRoom& room) {
-    const double thickness = needs.settings.reach();
+    const double thickness = needs.reach();
     run_.begin();
     placing_.begin(room);
     const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
@@ -259,16 +264,13 @@ class Pipeline {
     run_.part([&] { plan_.searches() ? search_anew() : look_for_displacement(); }, [&] { return must_rebuild(); });
     run_.mark_begun();
     if (plan_.makes_lists()) list_neighbours();
-    if (needs().advances) return find_blocking();
-    if (!plan_.is_idle) contacts_.detect_all();
+    if (needs().advances) shorten_.begin_ways();
+    if (!plan_.is_idle) needs().advances ? contacts_.detect_blocking(shorten_) : contacts_.detect_all();
+    if (!needs().tells_contacts) return;
     if (needs().is_earliest_only()) contacts_.keep_earliest();
     if (run_.is_by_parts()) plan_order();
     narrow_.finish();
     if (needs().places_contacts()) exec_.stage("place", [&] { placing_.place(needs()); });
-  }
-  void find_blocking() {
-    shorten_.begin_ways();
-    if (!plan_.is_idle) contacts_.find_blocking(shorten_);
   }
   /// How many contacts there are is known.
   void plan_order() {

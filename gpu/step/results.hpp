@@ -30,7 +30,8 @@ inline FrameCounts counts_of(const StepState& state, const LevelNeeds& needs) {
       [&](ContactKind kind, uint64_t& candidates, uint64_t& survivors) {
         if (!is_of_features(kind)) return;
         candidates = state.candidates[index_of(kind)];
-        if (needs.has_filter()) survivors = state.kept[index_of(kind)];
+        if (!needs.has_filter()) return;
+        survivors = needs.advances ? state.filtered[index_of(kind)] : state.kept[index_of(kind)];
       },
       c.candidates, c.survivors);
   return c;

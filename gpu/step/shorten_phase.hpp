@@ -26,6 +26,7 @@ class ShortenPhase {
   void begin(const LevelNeeds& needs) {
     rules_ = needs.ways;
     kinds_ = needs.kinds;
+    contacts_within_ = needs.tells_contacts ? needs.settings.reach() + needs.settings.delta : 0;
   }
   /// Makes room for the pairs that the lists of candidates have room for.
   void reserve() {
@@ -35,29 +36,6 @@ class ShortenPhase {
   }
 
   // The step's own part, to where the frame wants to go.
-  /// Leaves the candidates that a glance does not tell apart whatever fractions of their ways the vertices go.
-  template <class Kind>
-  void glance(const Kind& kind) {
-    constexpr int k = kIndexOf<Kind>;
-    CandidateBuffers<Exec>& lists = scene_.candidates[k];
-    exec_.stage("glance", [&] {
-      exec_.for_each("glance_at_hulls", Counted{&state()->kept[k], lists.kept.capacity()},
-                     GlanceAtHulls<Real, Kind>{hulls_of(kind, lists.kept.all()),
-                                               {lists.screened.all(), &state()->screened[k]}});
-    });
-  }
-  /// Leaves those that a closer look does not tell apart either.
-  void look() {
-    reserve();  // a step by parts has made room for pairs since
-    exec_.stage("hulls", [&] {
-      for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
-        const Buffer<uint64_t, Exec>& screened = scene_.candidates[k].screened;
-        exec_.for_each("look_at_hulls", Counted{&state()->screened[k], screened.capacity()},
-                       LookAtHulls<Real, Kind>{hulls_of(kind, screened.all()),
-                                               {scene_.blocking[k].pairs.all(), &state()->blocking[k]}});
-      });
-    });
-  }
   /// Lets all vertices go all of their ways.
   void begin_ways() {
     FractionBuffers<Exec>& ways = scene_.ways;
@@ -65,20 +43,35 @@ class ShortenPhase {
         "begin_ways", counts_.vertices,
         BeginWays{ways.clearances.data(), ways.shares.data(), ways.fractions.data(), ways.changed_in.data()});
   }
-  /// Measures the distances that all pairs start at.
-  void measure_starts() {
-    exec_.stage("starts", [&] {
+  /// Leaves the candidates that a glance does not tell apart whatever fractions of their ways the vertices go.
+  template <class Kind>
+  void glance(const Kind& kind) {
+    constexpr int k = kIndexOf<Kind>;
+    CandidateBuffers<Exec>& lists = scene_.candidates[k];
+    exec_.stage("advance", [&] {
+      exec_.for_each("glance_at_hulls", Counted{&state()->kept[k], lists.kept.capacity()},
+                     GlanceAtHulls<Real, Kind>{hulls_of(kind, lists.kept.all()),
+                                               contacts_within_,
+                                               scene_.deviations(true),
+                                               {lists.screened.all(), &state()->glanced[k]}});
+    });
+  }
+  /// Leaves those that a closer look does not tell apart either, measures the distances that they start at, and judges
+  /// them where all vertices go all of their ways.
+  void find_blocking() {
+    reserve();  // a step by parts has made room for pairs since
+    exec_.stage("advance", [&] {
+      for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) { look(kind, k); });
       for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
         exec_.for_each("measure_starts", pairs(k), MeasureStarts<Real, Kind>{ways_of(kind)});
       });
+      judge_all();
     });
   }
-  /// Looks at all pairs.
+  /// Judges all pairs.
   void judge_all() {
-    exec_.stage("judge", [&] {
-      begin_round();
-      for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) { judge(kind, pairs(k), {}); });
-    });
+    begin_round();
+    for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) { judge(kind, pairs(k), {}); });
   }
 
   // Rounds, each of which waits for the one before. Positions are those that the fractions lead to.
@@ -150,6 +143,14 @@ class ShortenPhase {
   }
   Counted pairs(int kind) const { return {&state()->blocking[kind], scene_.blocking[kind].pairs.capacity()}; }
   template <class Kind>
+  void look(const Kind& kind, int k) {
+    const Buffer<uint64_t, Exec>& glanced = scene_.candidates[k].screened;
+    exec_.for_each(
+        "look_at_hulls", Counted{&state()->glanced[k], glanced.capacity()},
+        LookAtHulls<Real, Kind>{hulls_of(kind, glanced.all()),
+                                {scene_.blocking[k].pairs.all(), &state()->blocking[k]}});
+  }
+  template <class Kind>
   HullsOfPairs<Real, Kind> hulls_of(const Kind& kind, Span<const uint64_t> candidates) const {
     return {scene_.start.data(), scene_.end.data(), kind, rules_.floors.reach() + 2 * rules_.off, candidates};
   }
@@ -179,6 +180,7 @@ class ShortenPhase {
   const SceneCounts& counts_;
   SceneBuffers<Exec, Real>& scene_;
   WayRules rules_;
+  double contacts_within_ = 0;  ///< what their positions say
   PerKind<bool> kinds_ = {};
 };
 

@@ -25,11 +25,11 @@ struct FiltersOfWorlds {
   uint32_t triangles = 0;                ///< of a world
 };
 
-/// use(keep) with the filter of the level.
+/// use(keep) with the filter of a search.
 template <class Real, class Use>
 void with_filter(const LevelNeeds &needs, double thickness, const StepState *state, const Use &use,
                  const FiltersOfWorlds &worlds = {}) {
-  if (!needs.has_filter())
+  if (!needs.filters_searches())
     use(KeepAll{});
   else if (needs.is_ccd())
     use(worlds.filters == nullptr ? MaybeCoplanar<Real>{&state->filter}

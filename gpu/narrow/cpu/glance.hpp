@@ -18,8 +18,9 @@ struct InRanges<GlanceAtHulls<Real, Kind>> {
     uint64_t survivors[kItems];
     uint64_t count = 0;
     FourDifferences<Kind> d{};
+    const double reach = glance.reach();
     for (; first < end; first += 4) {
-      const uint32_t kept = ~are_apart(glance.pairs, first, end, d);
+      const uint32_t kept = ~are_apart(glance.pairs, reach, first, end, d);
       for (uint64_t lane = 0; lane < min(end - first, uint64_t{4}); ++lane) {
         survivors[count] = glance.pairs.candidates[first + lane];
         count += kept >> lane & 1u;
@@ -30,7 +31,7 @@ struct InRanges<GlanceAtHulls<Real, Kind>> {
 
  private:
   /// Bit k: whether the k-th of four is. Those after the last one are copies of it. `d`: for their differences.
-  static uint32_t are_apart(const HullsOfPairs<Real, Kind>& pairs, uint64_t first, uint64_t end,
+  static uint32_t are_apart(const HullsOfPairs<Real, Kind>& pairs, double reach, uint64_t first, uint64_t end,
                             FourDifferences<Kind>& d) {
     FeaturePoints<Four<Real>> ways;
     for (int lane = 0; lane < 4; ++lane) {
@@ -39,7 +40,7 @@ struct InRanges<GlanceAtHulls<Real, Kind>> {
         set_lane(ways.start[k], lane, way.start[k]), set_lane(ways.end[k], lane, way.end[k]);
     }
     const uint32_t loaded = load_differences<Kind, Four<float>>(ways, d).bits();
-    const auto distance = hulls_distance<Four<Real>>(pairs.reach, largest_coordinate(ways));
+    const auto distance = hulls_distance<Four<Real>>(reach, largest_coordinate(ways));
     return loaded & hulls_are_apart_at_a_glance<Kind>(d, ways, distance).bits();
   }
 };

@@ -61,7 +61,7 @@ class EngineChoices {
 
   /// A step begins. `searches`: and it does nothing but search; else it goes by what other steps chose.
   EngineFacts begin(const LevelNeeds& needs, bool searches = true) {
-    const size_t which = 2 * needs.is_ccd() + needs.has_filter();
+    const size_t which = 2 * needs.is_ccd() + needs.filters_searches();
     is_used_[which] = true;
     is_observed_ = searches && !needs.is_any_hit() && !needs.finds_rest_pairs;
     choice_ = &choices_[which];

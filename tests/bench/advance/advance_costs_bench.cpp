@@ -34,7 +34,6 @@ struct Side {
     frame.advance = advances;
     frame.advance_mode = mode;
     last = detector.detect(frame);
-    if (std::getenv("SPLIT") != nullptr) { for (const StageTime& t : last.stages) std::fprintf(stderr, "%s %.3f  ", t.stage.c_str(), t.milliseconds); std::fprintf(stderr, "\n"); }
     if (!counts) return;
     step_ms.push_back(last.step_milliseconds);
     for (const StageTime& stage : last.stages)
