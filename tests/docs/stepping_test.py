@@ -28,7 +28,7 @@ PAGE = Page(REPOSITORY / "client" / "STEPPING.md")
 
 
 def loop_of(program, begin):
-    """The lines of a loop: its head, and what is indented more; in C++ the brace, too."""
+    """Returns the lines of a loop: its head, and what is indented more; in C++ the brace, too."""
     lines = program.splitlines()
     first = next(i for i, line in enumerate(lines) if line.lstrip().startswith(begin))
     indent = len(lines[first]) - len(lines[first].lstrip())
