@@ -68,13 +68,13 @@ meshes = {"table": collided.Mesh(table, stairs, motion="static"), "cloth": (clot
 GAP = 0.004
 with (collided.Session(meshes, mode="dcd_and_ccd", thickness=0.008, min_separation=0.001) as session,
       collided.Session(meshes, mode="dcd", accuracy="exact", kinds=["tt"]) as judge):
-    advanced, crossings = [], 0
-    for step, went in zip(range(2000), simulate(session, np.full_like(cloth, [1.2, 0.1, 0]))):
-        advanced.append(went)
+    ways, crossings = [], 0
+    for step, way in zip(range(2000), simulate(session, np.full_like(cloth, [1.2, 0.1, 0]))):
+        ways.append(way)
         if step % 10 == 0:
             crossings += len(judge.step({"cloth": session.positions["cloth"]}))
     x, z = session.positions["cloth"].mean(axis=0)[[0, 2]]
-    print(sum(went == 0 for went in advanced), crossings, np.mean(advanced), x, z)
+    print(min(ways), crossings, np.mean(ways), x, z)
 """
 
 
@@ -100,12 +100,13 @@ class Pages(unittest.TestCase):
         self.assertEqual(self.printed_by("\n".join(page.blocks("python"))), "".join(page.blocks("text")))
 
     def test_the_tutorials_solver_never_stops_a_jelly_cube_on_stairs(self):
-        """Without the projection of contacts at the end, 142 of the first 240 steps stopped it."""
+        """With one fraction of the way for the whole scene, 1,800 of the 2,000 steps stop it."""
         *parts, _ = Page(REPOSITORY / "client" / "TUTORIAL.md").blocks("python")
         printed = run_with_package("\n".join([*parts, STAIRS]), self.daemon.address, PACKAGE, timeout=230)
-        stopped, crossings, advanced, x, z = map(float, printed.splitlines()[-1].split())
-        self.assertEqual((stopped, crossings), (0, 0))
-        self.assertGreater(advanced, 0.99)
+        least, crossings, mean, x, z = map(float, printed.splitlines()[-1].split())
+        self.assertEqual(crossings, 0)
+        self.assertGreater(least, 0.5)
+        self.assertGreater(mean, 0.99)
         self.assertGreater(x, 2)  # at the bottom
         self.assertLess(z, 0.2)
 

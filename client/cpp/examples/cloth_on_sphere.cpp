@@ -80,16 +80,13 @@ class Simulation {
   Step step() {
     const std::vector<Pair> near = pairs(way_.ask({}, {.mode = v1::DETECTION_MODE_DCD}));
     const std::vector<float> target = packed(wanted(near));
-    const double advanced = way_.ask(target, {.advance = true}).done.advanced();
-    std::vector<float> here = packed(x_);
-    move_along(std::span(here), std::span<const float>(target), advanced);  // every bit as the daemon has it
-    turned_ += advanced * kTurn * kStep;
+    const FrameOutput gone = way_.ask(target, {.advance = true, .advance_mode = v1::ADVANCE_MODE_PER_VERTEX});
     const std::vector<Vec> before = x_;
-    for (size_t i = 0; i < x_.size(); ++i) x_[i] = {here[3 * i], here[3 * i + 1], here[3 * i + 2]};
+    go(target, gone.advance);
     // What was not gone is lost.
     for (size_t i = 0; i < velocity_.size(); ++i)
       velocity_[i] = (1 / kStep - kAir) * (x_[cloth_ + i] - before[cloth_ + i]);
-    return {advanced, near.size(), count_folds(near)};
+    return {gone.done.advanced(), near.size(), count_folds(near)};
   }
 
   /// Pairs of triangles that share a point, decided in real arithmetic.
@@ -112,6 +109,24 @@ class Simulation {
     spec.set_accuracy(v1::ACCURACY_EXACT);
     spec.add_kinds(v1::CONTACT_KIND_TRIANGLE_TRIANGLE);
     return spec;
+  }
+
+  /// Moves all vertices to where the daemon has them, every bit.
+  void go(const std::vector<float>& target, const FrameAdvance& advance) {
+    std::vector<float> here = packed(x_);
+    uint32_t first = 0;
+    for (uint32_t mesh = 0; mesh < meshes_.size(); ++mesh) {
+      const uint32_t count = static_cast<uint32_t>(meshes_[mesh].vertices.size());
+      move_along(std::span(here).subspan(3 * first, 3 * count), std::span(target).subspan(3 * first, 3 * count),
+                 advance, mesh, first);
+      first += count;
+    }
+    for (size_t i = 0; i < x_.size(); ++i) x_[i] = {here[3 * i], here[3 * i + 1], here[3 * i + 2]};
+    // A vertex of the sphere that is held back returns to its place in later steps.
+    double farthest = 0;
+    for (uint32_t v = static_cast<uint32_t>(meshes_[0].vertices.size()); v < cloth_; ++v)
+      farthest = std::max(farthest, advance.of_vertex(1, v));
+    turned_ += farthest * kTurn * kStep;
   }
 
   void add_springs(uint32_t row) {

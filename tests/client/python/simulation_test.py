@@ -28,7 +28,7 @@ class Motion(Case):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.crossed, cls.folds, cls.advanced, cls.cloth, cls.moving = [], [], [], [], []
+        cls.crossed, cls.folds, cls.advanced, cls.ways, cls.cloth, cls.moving = [], [], [], [], [], []
         with simulation.Simulation(CELLS, server=cls.server) as sim, Crossings(sim, server=cls.server) as crossings:
             for _ in range(FRAMES):
                 steps = sim.frame()
@@ -36,6 +36,7 @@ class Motion(Case):
                 cls.crossed.append(crossings.count(positions))
                 cls.folds.append(len(sim.folds(steps[-1].near)))
                 cls.advanced += [step.advanced for step in steps]
+                cls.ways += [step.way for step in steps]
                 cls.cloth.append(positions["cloth"].copy())
                 cls.moving.append(np.mean(np.sum(sim.velocity**2, axis=1)))
             cls.on_sphere = len(steps[-1].near.between("sphere", "cloth"))
@@ -55,9 +56,18 @@ class Motion(Case):
 
     def test_it_is_not_frozen_and_loses_the_energy_of_its_fall(self):
         self.assertGreater(statistics.median(self.advanced), 0.99)
+        self.assertGreater(min(self.ways), 0.9)
         self.assertGreater(min(self.moving), 0)
         self.assertLess(self.moving[-1], max(self.moving) / 4)
         self.assertLess(self.cloth[-1][:, 2].mean(), self.cloth[0][:, 2].mean() - 0.2)
+
+    def test_it_is_not_frozen_where_no_projection_of_contacts_comes_last(self):
+        """With one fraction for the whole scene, 567 of the 600 steps are stuck."""
+        with simulation.Simulation(CELLS, settle=0, server=self.server) as sim, Crossings(sim, server=self.server) as crossings:
+            for _ in range(FRAMES):
+                self.assertGreater(min(step.way for step in sim.frame()), 0.5)
+                self.assertEqual(crossings.count(sim.session.positions), 0)
+            self.assertLess(sim.session.positions["cloth"][:, 2].mean(), self.cloth[0][:, 2].mean() - 0.2)
 
     def test_it_is_the_same_to_the_bit_each_time(self):
         frames = 50
@@ -100,6 +110,21 @@ class Program(Case):
         red, green, blue = first.reshape(-1, 3).T
         self.assertTrue((blue > red + 50).any() and (red > blue + 50).any(), "neither cloth nor sphere is seen")
         self.assertGreater(np.abs(first - second).max(), 50)
+
+
+    def test_it_draws_one_fraction_beside_one_for_each_vertex(self):
+        try:
+            from PIL import Image
+        except ImportError as missing:
+            self.skipTest(f"{missing} (Debian: python3-pil)")
+        file = self.folder / "comparison.png"
+        printed = self.printed("--frames", "60", "--size", "120", "90", "--compare", file).splitlines()
+        self.assertRegex(printed[0], r"^all_or_one: \d+ of 120 steps stuck, 0\.\d+ of the motion gone, 0 pairs meet$")
+        self.assertRegex(printed[1], r"^per_vertex: 0 of 120 steps stuck, [01]\.\d+ of the motion gone, 0 pairs meet$")
+        with Image.open(file) as picture:
+            self.assertEqual(picture.size, (240, 90))
+            one, each = np.split(np.asarray(picture).astype(int), 2, axis=1)
+        self.assertGreater(np.abs(one - each).max(), 50)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,8 @@ def arguments():
     parser.add_argument("--pictures", type=pathlib.Path, metavar="FOLDER", help="a PNG of each drawn frame")
     parser.add_argument("--animation", type=pathlib.Path, metavar="FILE", help="an animated GIF of them")
     parser.add_argument("--sheet", type=pathlib.Path, metavar="FILE", help="six of them as one PNG")
+    parser.add_argument("--compare", type=pathlib.Path, metavar="FILE", help="nothing else, but a PNG of the last frame with one "
+                        "fraction of the way for all (left) and with one for each vertex (right)")
     parser.add_argument("--contacts", action="store_true", help="mark all contacts of the cloth: with itself where it folds red, "
                         "with the sphere orange, with the floor green (default: the red ones alone)")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="draw each Nth frame only (default: 1)")
@@ -66,9 +68,15 @@ def save(pictures, options):
 
 def main():
     options = arguments()
-    pictures, crossed = run(options)
-    if pictures:
-        save(pictures, options)
+    if options.compare:
+        from comparison import compare  # which needs PIL
+
+        picture, crossed = compare(options.cells, options.frames, options.size)
+        picture.save(options.compare)
+    else:
+        pictures, crossed = run(options)
+        if pictures:
+            save(pictures, options)
     return 1 if crossed else 0
 
 

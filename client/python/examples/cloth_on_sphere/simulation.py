@@ -28,13 +28,16 @@ class Step:
     """What became of a step."""
 
     near: collided.Contacts  # where it began
-    advanced: float  # the fraction that it went
+    advanced: float  # the least fraction of any vertex
+    way: float  # the share of all motion that was gone
 
 
 class Simulation:
-    """A context manager. cells: along each side of the cloth. options: of collided.Session, such as `server`."""
+    """A context manager. cells: along each side of the cloth. advance: what has a fraction of its own. settle: projections of
+    contacts alone. options: of collided.Session, such as `server`."""
 
-    def __init__(self, cells=40, **options):
+    def __init__(self, cells=40, advance="per_vertex", settle=SETTLE, **options):
+        self.advance, self.settle = advance, settle
         ground, sphere = shapes.floor(4.0), shapes.sphere(RADIUS, HEIGHT)
         sheet = shapes.sheet(cells, SIDE, HEIGHT + RADIUS + DROP)
         self.meshes = {"floor": collided.Mesh(*ground, motion="static"),
@@ -59,12 +62,13 @@ class Simulation:
         x = np.concatenate(list(self.session.positions.values())).astype(float)
         p = self.wanted(x, near, time_step)
         sphere, cloth = p[self.still - len(self.sphere):self.still], p[self.still:]
-        advanced = self.session.step({"sphere": sphere, "cloth": cloth}, advance=True).advanced
+        gone = self.session.step({"sphere": sphere, "cloth": cloth}, advance=self.advance)
         # What was not gone is lost: the cloth is where the daemon has it, and so is its velocity.
-        self.turned += advanced * TURN * time_step
         went = self.session.positions["cloth"] - x[self.still:]
         self.velocity = (1 - AIR * time_step) / time_step * went
-        return Step(near, advanced)
+        # A vertex of the sphere that is held back returns to its place in later steps.
+        self.turned += gone.fractions("sphere").max() * TURN * time_step
+        return Step(near, gone.advanced, gone.way)
 
     def wanted(self, x, near, time_step):
         """Where all vertices would be after the step, if nothing were in the way."""
@@ -77,7 +81,7 @@ class Simulation:
         for _ in range(SWEEPS):
             self.cloth.project(cloth, lambdas, time_step)
             repulsion.push(p)
-        for _ in range(SETTLE):
+        for _ in range(self.settle):
             if repulsion.push(p) < RECOVERY / 2:
                 break
         return p
