@@ -55,13 +55,6 @@ struct StartDistance {
   static constexpr double kTiny = 0x1p-34;  ///< Theta, in units of an extent
 };
 
-/// Measures a pair at the start of its way. `way`: to where it is to go.
-template <class Kind, class Real>
-COLLIDED_HD StartDistance start_distance(const FeaturePoints<Real>& way) {
-  const CertifiedDistance start = certified_distance<Kind>(way.start);
-  return {start.value, start.extent, largest_coordinate(way)};
-}
-
 struct PairFloors;
 
 /// What the floors of all pairs of a step follow from.
@@ -97,6 +90,24 @@ struct FloorRules {
     return hold <= kept ? hold : hold / 2;
   }
 };
+
+/// Measures a pair at the start of its way. `way`: to where it is to go. A glance in float is enough for pairs that start
+/// above all floors; of these it is only told that they do.
+template <class Kind, class Real>
+COLLIDED_HD StartDistance start_distance(const FeaturePoints<Real>& way, const FloorRules& rules) {
+  const double largest = largest_coordinate(way), above = rules.reach() + PositionNoise<Real>::kOfFloor * largest;
+  DifferencesOf<float, Kind> d;
+  if (load_differences<Kind, float>(way, d)) {
+    const Direction<float> direction = direction_of(gap_at(d, 0.0f).vector);
+    const float offset = offset_along(direction, scaled_thickness<float>(above, d.scale));
+    bool is_above = direction.length > 0;
+    for (const Vec3<float>& difference : d.start)
+      is_above = is_above && lower_bound_along(direction.n, difference, offset) > 0;
+    if (is_above) return {above, 0, largest};
+  }
+  const CertifiedDistance start = certified_distance<Kind>(way.start);
+  return {start.value, start.extent, largest};
+}
 
 /// The distances of a pair for one step, in the units of the positions.
 struct PairFloors {

@@ -104,8 +104,8 @@ struct BlockingPairs {
   explicit BlockingPairs(Exec& exec)
       : pairs(exec, "advance"), starts(exec, "advance"), looked_at(exec, "advance"), failed(exec, "advance") {}
 
+  /// For so many pairs.
   void allocate(uint64_t count) {
-    pairs.allocate(count);
     starts.allocate(count);
     looked_at.allocate(count);
     failed.allocate(count);

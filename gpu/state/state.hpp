@@ -62,9 +62,8 @@ struct StepState {
   double earliest_toi;  ///< of contacts that stay on the backend
 
   WaysMeasure ways;                  ///< of frames that advance
-  uint64_t glanced[kFeatureKinds];   ///< candidates that a glance does not tell apart
+  uint64_t blocking[kFeatureKinds];  ///< candidates that ways may have to be shortened for
   uint64_t filtered[kFeatureKinds];  ///< those of them that the filter keeps
-  uint64_t blocking[kFeatureKinds];  ///< pairs that ways are shortened for
   RoundCounts round;
   WaysGone gone;
 };
@@ -83,7 +82,7 @@ inline ListLengths lengths_of(const StepState& state) {
   lengths[ListLengths::kEarliest] = state.earliest;
   for (int kind = 0; kind < kFeatureKinds; ++kind) {
     lengths[ListLengths::kKept + kind] = state.kept[kind];
-    lengths[ListLengths::kScreened + kind] = max(state.screened[kind], state.glanced[kind]);
+    lengths[ListLengths::kScreened + kind] = state.screened[kind];
     lengths[ListLengths::kResumable + kind] = state.resumable[kind];
   }
   return lengths;

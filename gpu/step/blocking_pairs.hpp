@@ -99,7 +99,7 @@ struct MeasureStarts {
 
   COLLIDED_HD void operator()(uint64_t pair) const {
     const Stencil s = ways.stencil(pair);
-    const StartDistance start = start_distance<Kind>(ways.way(s));
+    const StartDistance start = start_distance<Kind>(ways.way(s), ways.rules);
     ways.starts[pair] = start;
     if (start.value >= ways.rules.reach() || are_joined(s)) return;
     for (const uint32_t v : s.v)

@@ -26,8 +26,8 @@ class ContactPhase {
   /// Finds the pairs that ways are shortened for, looks at all of them, and finds the contacts if they are wanted.
   void detect_blocking(ShortenPhase<Exec, Real>& shorten) {
     part([&] { candidates_.search(needs_.kinds); });
-    for_each_features([&](const auto& kind) { part([&] { shorten.glance(kind); }); });
-    shorten.find_blocking();
+    for_each_features([&](const auto& kind) { part([&] { shorten.screen(kind); }); });
+    shorten.judge_ways();
     if (!needs_.tells_contacts) return;
     detect_side_by_side();
   }

@@ -67,8 +67,9 @@ class NarrowPhase {
     };
     for (int kind = 0; kind < kFeatureKinds; ++kind) {
       check(scene_.candidates[kind].kept, need.kept[kind]);
-      check(scene_.candidates[kind].screened, max(need.screened[kind], need.glanced[kind]));
+      check(scene_.candidates[kind].screened, need.screened[kind]);
       check(scene_.candidates[kind].resumable, need.resumable[kind]);
+      check(scene_.blocking[kind].pairs, need.blocking[kind]);
     }
     check(scene_.triangle_pairs, need.triangle_pairs);
     const auto check_contacts = [&](ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t kept_of_them) {
@@ -210,17 +211,17 @@ class NarrowPhase {
   CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
     return queries<Kind, Candidate>(kind, Span<const Candidate>(candidates.all()));
   }
-  /// Filters what a glance has left of candidates that were stored without a filter. Rounds that shorten ways use the
-  /// list's memory afterwards.
+  /// Filters the candidates that ways may have to be shortened for: contacts are among them. Rounds that shorten ways use
+  /// the list's memory afterwards.
   template <class Kind>
   AppendList<uint64_t> filter(const Kind& kind) {
     constexpr int k = kIndexOf<Kind>;
     StepState* state = scene_.state.data();
-    const Buffer<uint64_t, Exec>& glanced = scene_.candidates[k].screened;
-    const AppendList<uint64_t> filtered{scene_.blocking[k].looked_at.all(), &state->filtered[k]};
-    exec_.for_each("filter_candidates", Counted{&state->glanced[k], glanced.capacity()},
+    const BlockingPairs<Exec>& blocking = scene_.blocking[k];
+    const AppendList<uint64_t> filtered{blocking.looked_at.all(), &state->filtered[k]};
+    exec_.for_each("filter_candidates", Counted{&state->blocking[k], blocking.pairs.capacity()},
                    FilterCandidates<Real, Kind>{
-                       scene_.start.data(), scene_.end.data(), kind, {&state->filter}, glanced.all(), filtered});
+                       scene_.start.data(), scene_.end.data(), kind, {&state->filter}, blocking.pairs.all(), filtered});
     return filtered;
   }
   template <class Kind, class Part>

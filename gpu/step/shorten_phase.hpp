@@ -11,7 +11,7 @@
 #include "gpu/step/blocking_pairs.hpp"
 
 #ifndef __CUDACC__
-#include "gpu/narrow/cpu/glance.hpp"
+#include "gpu/narrow/cpu/screen_hulls.hpp"
 #endif
 
 namespace collided {
@@ -28,11 +28,14 @@ class ShortenPhase {
     kinds_ = needs.kinds;
     contacts_within_ = needs.tells_contacts ? needs.settings.reach() + needs.settings.delta : 0;
   }
-  /// Makes room for the pairs that the lists of candidates have room for.
+  /// Makes room for the pairs that there is a list for.
   void reserve() {
     scene_.ways.allocate(counts_.vertices);
-    for_each_kind_of_pairs(
-        [&](int k, const auto&) { scene_.blocking[k].allocate(scene_.candidates[k].screened.capacity()); });
+    for_each_kind_of_pairs([&](int k, const auto&) {
+      BlockingPairs<Exec>& blocking = scene_.blocking[k];
+      begin_list(blocking.pairs, first_length(scene_.topology.triangle_count()), 0);
+      blocking.allocate(blocking.pairs.capacity());
+    });
   }
 
   // The step's own part, to where the frame wants to go.
@@ -43,25 +46,27 @@ class ShortenPhase {
         "begin_ways", counts_.vertices,
         BeginWays{ways.clearances.data(), ways.shares.data(), ways.fractions.data(), ways.changed_in.data()});
   }
-  /// Leaves the candidates that a glance does not tell apart whatever fractions of their ways the vertices go.
+  /// Lists the candidates that some fractions of the ways could bring below their floors.
   template <class Kind>
-  void glance(const Kind& kind) {
+  void screen(const Kind& kind) {
     constexpr int k = kIndexOf<Kind>;
-    CandidateBuffers<Exec>& lists = scene_.candidates[k];
+    const Buffer<uint64_t, Exec>& candidates = scene_.candidates[k].kept;
     exec_.stage("advance", [&] {
-      exec_.for_each("glance_at_hulls", Counted{&state()->kept[k], lists.kept.capacity()},
-                     GlanceAtHulls<Real, Kind>{hulls_of(kind, lists.kept.all()),
-                                               contacts_within_,
-                                               scene_.deviations(true),
-                                               {lists.screened.all(), &state()->glanced[k]}});
+      exec_.for_each("screen_hulls", Counted{&state()->kept[k], candidates.capacity()},
+                     ScreenHulls<Real, Kind>{scene_.start.data(),
+                                             scene_.end.data(),
+                                             kind,
+                                             rules_.floors.reach() + 2 * rules_.off,
+                                             contacts_within_,
+                                             scene_.deviations(true),
+                                             candidates.all(),
+                                             {scene_.blocking[k].pairs.all(), &state()->blocking[k]}});
     });
   }
-  /// Leaves those that a closer look does not tell apart either, measures the distances that they start at, and judges
-  /// them where all vertices go all of their ways.
-  void find_blocking() {
+  /// Measures the distances that these start at, and judges them where all vertices go all of their ways.
+  void judge_ways() {
     reserve();  // a step by parts has made room for pairs since
     exec_.stage("advance", [&] {
-      for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) { look(kind, k); });
       for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
         exec_.for_each("measure_starts", pairs(k), MeasureStarts<Real, Kind>{ways_of(kind)});
       });
@@ -142,18 +147,6 @@ class ShortenPhase {
     });
   }
   Counted pairs(int kind) const { return {&state()->blocking[kind], scene_.blocking[kind].pairs.capacity()}; }
-  template <class Kind>
-  void look(const Kind& kind, int k) {
-    const Buffer<uint64_t, Exec>& glanced = scene_.candidates[k].screened;
-    exec_.for_each(
-        "look_at_hulls", Counted{&state()->glanced[k], glanced.capacity()},
-        LookAtHulls<Real, Kind>{hulls_of(kind, glanced.all()),
-                                {scene_.blocking[k].pairs.all(), &state()->blocking[k]}});
-  }
-  template <class Kind>
-  HullsOfPairs<Real, Kind> hulls_of(const Kind& kind, Span<const uint64_t> candidates) const {
-    return {scene_.start.data(), scene_.end.data(), kind, rules_.floors.reach() + 2 * rules_.off, candidates};
-  }
   template <class Kind>
   WaysOfPairs<Real, Kind> ways_of(const Kind& kind) const {
     constexpr int k = kIndexOf<Kind>;

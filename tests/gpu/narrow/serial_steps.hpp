@@ -191,7 +191,7 @@ class SerialSteps {
       with_kind(pair, [&](auto kind) {
         using Kind = decltype(kind);
         pair.may_fail = !hulls_are_apart<Kind>(way, rules_.reach() + noise);
-        if (pair.may_fail) start = start_distance<Kind>(way);
+        if (pair.may_fail) start = start_distance<Kind>(way, rules_);
       });
       pair.start = start.value;
       pairs.push_back(pair), starts.push_back(start);

@@ -89,8 +89,9 @@ void count_planes(uint64_t seed) {
       way.start[v] = real(plus(offset, turn(q)));
       way.end[v] = real(plus(plus(offset, turn(q)), random.vector(way_size)));
     }
-    const StartDistance start = start_distance<Kind>(way);
-    const PairFloors floors = FloorRules{1e-3, 4}.floors_of<Real>(start, HUGE_VAL);
+    const FloorRules rules{1e-3, 4};
+    const StartDistance start = start_distance<Kind>(way, rules);
+    const PairFloors floors = rules.floors_of<Real>(start, HUGE_VAL);
     if (keeps_floors<Kind>(way, floors) || start.value < floors.end + floors.noise * 0.99) continue;
     ++failed;
     const Shares shares = shares_of_failed<Kind>(way, floors, Shortening::kPlanes);

@@ -141,21 +141,64 @@ TEST(TouchingStarts, OfSolidsOnALatticePartOrStand) {
 }
 
 TEST(TouchingStarts, OfACubeLeaveTheFloorAndDoNotSink) {
-  const StepScene scene = cube_over_floor(0);
+  StepScene scene;
+  scene.add({{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}}, {{0, 1, 2}, {0, 2, 3}}, true);
+  add(scene, cube(1, {0.13, 0.21, 0}));
   for (const FractionOf fraction_of : kFractionsOf) {
     SerialSteps<double> steps(scene, kM, fraction_of);
     const auto p = moved_by(scene, scene.positions, 1, {0.01, 0.02, -0.003});
     const StepResult result = steps.advance(scene.positions, p);
     EXPECT_EQ(least_height(scene, result.y, 1), 0);
     for (const Vec3d& by : {Vec3d{0, 0, 0.01}, Vec3d{0.3, -0.2, 1e-3}, Vec3d{0, 0, 3}}) {
-      const StepResult left = steps.advance(result.y, moved_by(scene, result.y, 1, by));
+      const StepResult left = steps.advance(scene.positions, moved_by(scene, scene.positions, 1, by));
       EXPECT_EQ(least_of(left.fractions), 1);
       EXPECT_EQ(least_height(scene, left.y, 1), by[2]);
       Random random(1);
       Findings findings;
-      judge_step(scene, steps, kM, result.y, left.y, left, ~size_t{0}, random, findings);
+      judge_step(scene, steps, kM, scene.positions, left.y, left, ~size_t{0}, random, findings);
       findings.expect_none();
     }
+  }
+}
+
+// A vertex of the floor under the cube's face has no side that anything tells.
+TEST(TouchingStarts, OfFlatOnFlatStand) {
+  const StepScene scene = cube_over_floor(0);
+  for (const double up : {-0.01, 0.01}) {
+    SerialSteps<double> steps(scene, kM, FractionOf::kMesh);
+    EXPECT_EQ(steps.advance(scene.positions, moved_by(scene, scene.positions, 1, {0, 0, up})).y, scene.positions);
+  }
+}
+
+// A coin on the bottom of a pit, and a loose point on a triangle whose neighbour rises: what a surface is joined to does
+// not say on which side of it something lies.
+TEST(TouchingStarts, InAPitDoNotLeaveThroughTheBottom) {
+  StepScene pit;
+  pit.add({{0, 0, 0}, {12, 0, 0}, {0, 12, 0}, {12, 12, 6}}, {{0, 1, 2}, {1, 3, 2}}, true);
+  pit.add({{3, 3, 0}}, {{0, 0, 0}});
+  StepScene coin;
+  const Shape box = cube(4, {0, 0, 0});
+  std::vector<std::array<uint32_t, 3>> open = box.faces;
+  open.erase(open.begin() + 2, open.begin() + 4);  // the upper face
+  coin.add(box.vertices, open, true);
+  add(coin, sheet(3, 1, {0, 0, 0}));
+  for (StepScene* scene : {&pit, &coin})
+    for (const double z : {-1.0, 1.0}) {
+      SerialSteps<double> steps(*scene, kM, FractionOf::kVertex);
+      EXPECT_EQ(steps.advance(scene->positions, moved_by(*scene, scene->positions, 1, {0, 0, z})).y, scene->positions);
+    }
+}
+
+// What moves as one, to the last bit, need not part.
+TEST(TouchingStarts, FallTogether) {
+  StepScene scene;
+  add(scene, sheet(3, 2, {0, 0, 0}));
+  add(scene, cube(1, {0.125, 0.25, 0}));
+  for (const FractionOf fraction_of : kFractionsOf) {
+    SerialSteps<double> steps(scene, kM, fraction_of);
+    std::vector<Vec3d> p = scene.positions;
+    for (Vec3d& x : p) x[2] -= 0.25;
+    EXPECT_EQ(steps.advance(scene.positions, p).y, p);
   }
 }
 

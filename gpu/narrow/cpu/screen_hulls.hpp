@@ -1,5 +1,5 @@
 #pragma once
-// GlanceAtHulls for four candidates at a time.
+// ScreenHulls for four candidates at a time.
 
 #include "gpu/exec/cpu/in_ranges.hpp"
 #include "gpu/narrow/cpu/four_queries.hpp"
@@ -11,37 +11,37 @@ template <class T>
 struct PositionNoise<Four<T>> : PositionNoise<T> {};
 
 template <class Real, class Kind>
-struct InRanges<GlanceAtHulls<Real, Kind>> {
+struct InRanges<ScreenHulls<Real, Kind>> {
   static constexpr uint64_t kItems = 512;
 
-  [[gnu::flatten]] static void run(const GlanceAtHulls<Real, Kind>& glance, uint64_t first, uint64_t end) {
+  [[gnu::flatten]] static void run(const ScreenHulls<Real, Kind>& screen, uint64_t first, uint64_t end) {
     uint64_t survivors[kItems];
     uint64_t count = 0;
     FourDifferences<Kind> d{};
-    const double reach = glance.reach();
+    const double reach = screen.reach();
     for (; first < end; first += 4) {
-      const uint32_t kept = ~are_apart(glance.pairs, reach, first, end, d);
+      const uint32_t kept = ~are_apart(screen, reach, first, end, d);
       for (uint64_t lane = 0; lane < min(end - first, uint64_t{4}); ++lane) {
-        survivors[count] = glance.pairs.candidates[first + lane];
+        survivors[count] = screen.candidates[first + lane];
         count += kept >> lane & 1u;
       }
     }
-    glance.survivors.push_all(survivors, count);
+    screen.survivors.push_all(survivors, count);
   }
 
  private:
   /// Bit k: whether the k-th of four is. Those after the last one are copies of it. `d`: for their differences.
-  static uint32_t are_apart(const HullsOfPairs<Real, Kind>& pairs, double reach, uint64_t first, uint64_t end,
+  static uint32_t are_apart(const ScreenHulls<Real, Kind>& screen, double reach, uint64_t first, uint64_t end,
                             FourDifferences<Kind>& d) {
     FeaturePoints<Four<Real>> ways;
     for (int lane = 0; lane < 4; ++lane) {
-      const FeaturePoints<Real> way = pairs.way(min(first + static_cast<uint64_t>(lane), end - 1));
+      const FeaturePoints<Real> way = screen.way(min(first + static_cast<uint64_t>(lane), end - 1));
       for (int k = 0; k < 4; ++k)
         set_lane(ways.start[k], lane, way.start[k]), set_lane(ways.end[k], lane, way.end[k]);
     }
     const uint32_t loaded = load_differences<Kind, Four<float>>(ways, d).bits();
     const auto distance = hulls_distance<Four<Real>>(reach, largest_coordinate(ways));
-    return loaded & hulls_are_apart_at_a_glance<Kind>(d, ways, distance).bits();
+    return loaded & hulls_are_apart<Kind>(d, ways, distance).bits();
   }
 };
 
