@@ -47,7 +47,8 @@ class Advances {
         tell(frame.advance_mode, shorten.fractions(positions_.target()), result.shortened);
     });
     result.advanced = detail::bit_copy<double>(gone.least_bits);
-    result.way = gone.all > 0 ? static_cast<double>(gone.gone) / static_cast<double>(gone.all) : *result.advanced;
+    const double share = gone.all > 0 ? static_cast<double>(gone.gone) / static_cast<double>(gone.all) : 0;
+    result.way = max(share, *result.advanced);  // whole units are a little less than what is gone
     add_costs(result);
     return result;
   }

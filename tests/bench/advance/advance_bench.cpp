@@ -6,6 +6,7 @@
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "tests/support/sim/simulations.hpp"
 
@@ -42,29 +43,41 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-nlohmann::json run(const Simulation& s, Backend backend, Scalar scalar, int frames) {
-  Simulator simulator(s.make(), backend, scalar);
+struct Mode {
+  const char* name;
+  AdvanceMode mode;
+};
+constexpr Mode kModes[] = {{"all_or_one", AdvanceMode::kAllOrOne},
+                           {"per_mesh", AdvanceMode::kPerMesh},
+                           {"per_vertex", AdvanceMode::kPerVertex}};
+
+nlohmann::json run(const Simulation& s, Backend backend, Scalar scalar, const Mode& mode, int frames) {
+  Simulator simulator(s.make(), backend, scalar, mode.mode);
   Crossings crossings(simulator.bodies(), backend, scalar);
-  std::vector<double> advanced, of_largest;
+  std::vector<double> advanced, ways, of_largest;
   size_t crossed = 0, frozen = 0, longest_freeze = 0, freeze = 0, shortened = 0;
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < frames; ++i) {
     const Simulator::Step step = simulator.step();
     advanced.push_back(step.advanced);
+    ways.push_back(step.way);
     if (step.earliest_toi < 1) ++shortened;
     if (step.earliest_toi < 1 && step.earliest_toi > 0) of_largest.push_back(step.advanced / step.earliest_toi);
-    freeze = step.advanced < 1e-6 ? freeze + 1 : 0;
+    freeze = step.way < 1e-6 ? freeze + 1 : 0;
     frozen += freeze > 0 ? 1 : 0;
     longest_freeze = std::max(longest_freeze, freeze);
     crossed += crossings.count(simulator.last_way());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  std::cerr << s.name << ' ' << frames << " steps, " << crossed << " pairs of triangles met, " << shortened
+  const double mean_way = std::accumulate(ways.begin(), ways.end(), 0.0) / frames;
+  std::cerr << s.name << ' ' << mode.name << ' ' << frames << " steps, " << crossed << " pairs of triangles met, " << shortened
             << " shortened, " << frozen << " frozen (" << longest_freeze << " in a row), advanced / largest "
-            << median(of_largest) << ", " << seconds << " s\n";
+            << median(of_largest) << ", mean way " << mean_way << ", least "
+            << *std::min_element(ways.begin(), ways.end()) << ", " << seconds << " s\n";
   uint64_t triangles = 0;
   for (const MeshSpec& m : simulator.bodies().meshes.meshes) triangles += m.triangles.size();
   return {{"simulation", s.name},
+          {"mode", mode.name},
           {"scalar", scalar == Scalar::kF64 ? "f64" : "f32"},
           {"triangles", triangles},
           {"steps", frames},
@@ -73,6 +86,8 @@ nlohmann::json run(const Simulation& s, Backend backend, Scalar scalar, int fram
           {"frozen", frozen},
           {"longest_freeze", longest_freeze},
           {"of_largest_median", median(of_largest)},
+          {"mean_way", mean_way},
+          {"least_way", *std::min_element(ways.begin(), ways.end())},
           {"advanced", advanced}};
 }
 
@@ -82,10 +97,16 @@ nlohmann::json run(const Simulation& s, Backend backend, Scalar scalar, int fram
 int main(int argc, char** argv) {
   using namespace collided;
   CLI::App app("Simulates with advances and writes how far each step went, as JSON, to standard output");
-  std::string backend = "cpu", only, date, commit;
+  std::string backend = "cpu", only, only_mode = "all_or_one", only_scalar, date, commit;
+  bool no_steps = false;
   int frames = 1000;
   app.add_option("--backend", backend, "cpu or cuda")->check(CLI::IsMember({"cpu", "cuda"}))->capture_default_str();
   app.add_option("--simulation", only, "One of them; default: all");
+  app.add_option("--mode", only_mode, "all_or_one, per_mesh, per_vertex or all")
+      ->check(CLI::IsMember({"all_or_one", "per_mesh", "per_vertex", "all"}))
+      ->capture_default_str();
+  app.add_flag("--no-steps", no_steps, "Leave out how far each single step went");
+  app.add_option("--scalar", only_scalar, "f32 or f64; default: both")->check(CLI::IsMember({"f32", "f64"}));
   app.add_option("--frames", frames, "Steps of each")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--date", date, "Recorded in the result");
   app.add_option("--commit", commit, "Recorded in the result");
@@ -98,6 +119,12 @@ int main(int argc, char** argv) {
                      {"runs", nlohmann::json::array()}};
   for (const test::Simulation& s : test::simulations())
     for (const Scalar scalar : {Scalar::kF32, Scalar::kF64})
-      if (only.empty() || only == s.name) out["runs"].push_back(test::run(s, on, scalar, frames));
+      for (const test::Mode& mode : test::kModes) {
+        if (!only.empty() && only != s.name) continue;
+        if (only_mode != "all" && only_mode != mode.name) continue;
+        if (!only_scalar.empty() && only_scalar != (scalar == Scalar::kF64 ? "f64" : "f32")) continue;
+        out["runs"].push_back(test::run(s, on, scalar, mode, frames));
+        if (no_steps) out["runs"].back().erase("advanced");
+      }
   std::cout << out.dump(1) << '\n';
 }

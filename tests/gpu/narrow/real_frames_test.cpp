@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include "gpu/positions/blend.hpp"
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
 #include "tests/support/data_folder.hpp"
@@ -16,11 +17,14 @@ namespace {
 struct Golden {
   RealFrames frames;
   size_t vertex_triangle, edge_edge;  ///< candidates: closed swept boxes in double
+  double least_free, least_way;       ///< of an advance: the share of vertices that go all the way, and of the motion
 };
 
 void PrintTo(const Golden& g, std::ostream* out) { *out << g.frames.name; }
 
-const Golden kGolden[] = {{kDrapeFrames, 8766, 26661}, {kFunnelFrames, 7319, 33770}, {kBallFrames, 1655541, 5197332}};
+const Golden kGolden[] = {{kDrapeFrames, 8766, 26661, 0.75, 0.9},
+                          {kFunnelFrames, 7319, 33770, 0.985, 0.990},
+                          {kBallFrames, 1655541, 5197332, 0.655, 0.72}};
 
 using Times = std::map<PairKey, double>;  ///< of every pair that collides: what its time of impact is not above
 
@@ -150,6 +154,32 @@ TEST_P(RealFramesTest, CertifiedLevelsMissNothing) {
       EXPECT_TRUE(accuracy == Accuracy::kGuarded || score.false_ones() <= (accuracy == Accuracy::kExact ? 0 : 10));
     }
   }
+}
+
+// A first frame whose way is full of contacts: each vertex goes as far as it can. What is left of the ways is free, which
+// the exact level decides.
+TEST_P(RealFramesTest, VerticesGoAsFarAsTheyCan) {
+  SceneSpec scene = spec(Accuracy::kCertified, Scalar::kF64);
+  const auto detector = Detector::create(spec_for(case_, scene));
+  const Frame frame(case_, Mode::kCcd, Scalar::kF64);
+  FrameInput input = frame.input();
+  input.advance = true;
+  input.advance_mode = AdvanceMode::kPerVertex;
+  const FrameResult gone = detector->detect(input);
+  const size_t vertices = case_.start[0].size();
+  Case left = case_;
+  for (size_t i = 0; i < gone.shortened.ids.size(); ++i) {
+    const uint32_t v = gone.shortened.ids[i];
+    for (size_t k = 0; k < 3; ++k)
+      left.end[0][v][k] = blend(case_.start[0][v][k], case_.end[0][v][k], gone.shortened.fractions[i]);
+  }
+  const double free = 1 - static_cast<double>(gone.shortened.ids.size()) / static_cast<double>(vertices);
+  std::printf("%s: %.4f of the vertices go all the way, %.4f of the motion is gone, least fraction %g\n",
+              golden().frames.name, free, gone.way, *gone.advanced);
+  EXPECT_GE(free, golden().least_free);
+  EXPECT_GE(gone.way, golden().least_way);
+  const FrameResult judged = run_case(left, spec(Accuracy::kExact, Scalar::kF64));
+  EXPECT_EQ(judged.vertex_triangle.size() + judged.edge_edge.size(), 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Frames, RealFramesTest,

@@ -73,7 +73,8 @@ void make_stiff(Bodies& bodies, uint32_t mesh) {
     for (uint32_t b = a + 1; b < x.size(); ++b) bodies.springs.push_back({first + a, first + b, length(x[a] - x[b])});
 }
 
-Simulator::Simulator(Bodies bodies, Backend backend, Scalar scalar) : bodies_(std::move(bodies)), scalar_(scalar) {
+Simulator::Simulator(Bodies bodies, Backend backend, Scalar scalar, AdvanceMode mode)
+    : bodies_(std::move(bodies)), scalar_(scalar), mode_(mode) {
   bodies_.meshes.end = bodies_.meshes.start;
   bodies_.meshes = rounded(bodies_.meshes, scalar);
   x_ = before_ = joined(bodies_.meshes.start);
@@ -153,6 +154,19 @@ void Simulator::push_apart(Positions& p, const FrameResult& near) const {
       near);
 }
 
+std::vector<double> Simulator::fractions(const FrameResult& way) const {
+  std::vector<double> all(x_.size(), mode_ == AdvanceMode::kAllOrOne ? way.advanced.value() : 1);
+  for (size_t i = 0; i < way.shortened.ids.size(); ++i) {
+    const uint32_t id = way.shortened.ids[i];
+    if (mode_ == AdvanceMode::kPerVertex)
+      all[id] = way.shortened.fractions[i];
+    else
+      std::fill_n(all.begin() + first_vertex(bodies_.meshes, id), bodies_.meshes.meshes[id].vertex_count,
+                  way.shortened.fractions[i]);
+  }
+  return all;
+}
+
 Simulator::Step Simulator::step() {
   const Case here = case_of(x_, x_);
   const FrameResult near = near_->detect(Frame(here, Mode::kDcd, scalar_, false).input());
@@ -165,13 +179,15 @@ Simulator::Step Simulator::step() {
   const Frame frame(there, Mode::kDcd, scalar_, false);
   FrameInput input = frame.input();
   input.advance = true;
+  input.advance_mode = mode_;
   const FrameResult way = advance_->detect(input);
-  const Step step{way.advanced.value(), way.earliest_toi, way.vertex_triangle.size() + way.edge_edge.size()};
+  const Step step{way.advanced.value(), way.way, way.earliest_toi, way.vertex_triangle.size() + way.edge_edge.size()};
 
   const Positions target = joined(there.end);
+  const std::vector<double> fraction = fractions(way);
   before_ = x_;
   for (uint32_t i = 0; i < x_.size(); ++i) {
-    for (int k = 0; k < 3; ++k) x_[i][k] = moved_along(x_[i][k], target[i][k], step.advanced, scalar_);
+    for (int k = 0; k < 3; ++k) x_[i][k] = moved_along(x_[i][k], target[i][k], fraction[i], scalar_);
     v_[i] = 0.99 * (1 / bodies_.time_step * (x_[i] - before_[i]));
   }
   return step;

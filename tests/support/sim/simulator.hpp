@@ -34,11 +34,12 @@ void make_stiff(Bodies& bodies, uint32_t mesh);
 
 class Simulator {
  public:
-  Simulator(Bodies bodies, Backend backend, Scalar scalar);
+  Simulator(Bodies bodies, Backend backend, Scalar scalar, AdvanceMode mode = AdvanceMode::kAllOrOne);
   ~Simulator();
 
   struct Step {
-    double advanced = 1;      ///< the fraction that the scene went
+    double advanced = 1;      ///< the least fraction that anything went
+    double way = 1;           ///< the share of the motion
     double earliest_toi = 1;  ///< of the whole way, without what separates; at least min_separation is kept before it
     uint64_t contacts = 0;    ///< of the whole way
   };
@@ -54,11 +55,14 @@ class Simulator {
   Positions wanted() const;
   void hold_together(Positions& p) const;
   void push_apart(Positions& p, const FrameResult& near) const;
+  /// How far each vertex went.
+  std::vector<double> fractions(const FrameResult& way) const;
   bool is_free(uint32_t vertex) const { return !is_static_[vertex] && bodies_.pull[vertex] == 0; }
   Case case_of(const Positions& start, const Positions& end) const;
 
   Bodies bodies_;
   Scalar scalar_;
+  AdvanceMode mode_;
   Positions x_, before_, v_;
   std::vector<bool> is_static_;
   std::unique_ptr<Detector> near_;     ///< discrete contacts, for repulsion
