@@ -49,12 +49,13 @@ def main():
     over, told = threading.Event(), {attack.name: Told() for attack in attacks}
     threads = [threading.Thread(target=keep_on, args=(attack, seen_by(target, attack), told[attack.name], over))
                for attack in attacks]
-    for thread in threads:
+    deadline = time.monotonic() + BEGIN_SECONDS
+    for attack, thread in zip(attacks, threads):
         thread.daemon = True
         thread.start()
-    deadline = time.monotonic() + BEGIN_SECONDS
-    while not all(told.values()) and time.monotonic() < deadline:
-        time.sleep(0.01)
+        # Each gets what it begins with before the next: those that take all of a client's places come last.
+        while not told[attack.name] and time.monotonic() < deadline:
+            time.sleep(0.01)
     print("on", flush=True)
     sys.stdin.read()
     over.set()

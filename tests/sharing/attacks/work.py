@@ -63,28 +63,12 @@ def created(caller, spec):
 
 
 @attack("work")
-def builds(target, told, over):
-    """Sixteen scenes of 100,000 triangles built at once, again and again."""
-    with Caller(target) as caller:
-        request = api.CreateSceneRequest(spec=separate_spec(100_000)).SerializeToString()
-
-        def build():
-            while not over.is_set():
-                if made := told.attempt(caller.call, "CreateScene", request):
-                    scene = api.CreateSceneResponse.FromString(made).scene.scene_id
-                    told.attempt(caller.call, "DeleteScene", api.DeleteSceneRequest(scene_id=scene))
-
-        in_threads(AT_ONCE, build)
-
-
-@attack("work")
 def nan_worlds(target, told, over):
     """Sets of 65,536 worlds whose positions are no numbers, four at once."""
     with Caller(target) as caller:
         nothing = struct.pack("<f", float("nan")) * (18 * WORLDS)
 
         def ask():
-            # The scenes of `builds`, the same client's, may have all places for a moment.
             while not (made := told.attempt(caller.call, "CreateScenes", batch.CreateScenesRequest(spec=tip_spec(), count=WORLDS))):
                 if over.is_set():
                     return
@@ -146,3 +130,18 @@ def eager_watchers(target, told, over):
             told.attempt(caller.call, "DetectFrame", api.DetectFrameRequest(scene_id=scene, frame=frame))
         for messages in watches:
             messages.cancel()
+
+
+@attack("work")
+def builds(target, told, over):
+    """Scenes of 100,000 triangles built in all places that the client has left, again and again."""
+    with Caller(target) as caller:
+        request = api.CreateSceneRequest(spec=separate_spec(100_000)).SerializeToString()
+
+        def build():
+            while not over.is_set():
+                if made := told.attempt(caller.call, "CreateScene", request):
+                    scene = api.CreateSceneResponse.FromString(made).scene.scene_id
+                    told.attempt(caller.call, "DeleteScene", api.DeleteSceneRequest(scene_id=scene))
+
+        in_threads(AT_ONCE, build)
