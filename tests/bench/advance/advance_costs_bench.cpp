@@ -19,7 +19,7 @@ struct Options {
   Accuracy accuracy = Accuracy::kCertified;
   std::string scene;
   int rounds = 30, warm_up = 4, threads = 0;
-  double scale = 1, separation = 1e-4;
+  double scale = 1, separation = 1e-4, seconds = kFrameSeconds;
 };
 
 /// A way to play a frame, and what it cost.
@@ -63,6 +63,7 @@ json measure(const BenchInput& input, const Options& o) {
   json out = {{"scene", input.name},
               {"triangles", detector->topology().triangles.size()},
               {"min_separation", o.separation},
+              {"seconds", o.seconds},
               {"rounds", o.rounds},
               {"contacts", sides[0].last.vertex_triangle.size() + sides[0].last.edge_edge.size()},
               {"sides", json::object()}};
@@ -94,6 +95,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--scene", o.scene, "One scene; default: all, and real frames");
   app.add_option("--scale", o.scale, "Of procedural scenes")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--seconds", o.seconds, "How long procedural scenes move in a frame: short enough, nothing is shortened")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--separation", o.separation, "min_separation")->check(CLI::NonNegativeNumber)->capture_default_str();
   app.add_option("--rounds", o.rounds, "Frames of each kind")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--threads", o.threads, "CPU threads; 0: all cores")->capture_default_str();
@@ -110,7 +114,7 @@ int main(int argc, char** argv) {
                      {"scalar", scalar},
                      {"accuracy", accuracy},
                      {"runs", nlohmann::json::array()}};
-  for (const test::BenchInput& input : test::bench_inputs(o.scene, o.scale))
+  for (const test::BenchInput& input : test::bench_inputs(o.scene, o.scale, o.seconds))
     out["runs"].push_back(test::measure(input, o));
   std::cout << out.dump(1) << '\n';
 }
