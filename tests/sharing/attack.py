@@ -53,7 +53,7 @@ def main():
     for attack, thread in zip(attacks, threads):
         thread.daemon = True
         thread.start()
-        # Each gets what it begins with before the next: those that take all of a client's places come last.
+        # Each gets what it begins with before the next: those that take all of a client's turns or places come last.
         while not told[attack.name] and time.monotonic() < deadline:
             time.sleep(0.01)
     print("on", flush=True)

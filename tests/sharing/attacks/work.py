@@ -63,35 +63,6 @@ def created(caller, spec):
 
 
 @attack("work")
-def nan_worlds(target, told, over):
-    """Sets of 65,536 worlds whose positions are no numbers, four at once."""
-    with Caller(target) as caller:
-        nothing = struct.pack("<f", float("nan")) * (18 * WORLDS)
-
-        def ask():
-            while not (made := told.attempt(caller.call, "CreateScenes", batch.CreateScenesRequest(spec=tip_spec(), count=WORLDS))):
-                if over.is_set():
-                    return
-            scene = batch.CreateScenesResponse.FromString(made).scenes.scene_id
-            caller.scenes.append(scene)
-            for frame_id in itertools.count(1):
-                if over.is_set():
-                    return
-                frame = batch.SetFrame(scene_id=scene, frame_id=frame_id, positions=nothing)
-                told.attempt(caller.call, "DetectBatch", batch.DetectBatchRequest(frames=[frame], max_answer_bytes=16 << 20))
-
-        in_threads(4, ask)
-
-
-@attack("work")
-def estimates(target, told, over):
-    """Estimates of a scene of 16,384 meshes, 64 calls at any time."""
-    with Caller(target) as caller:
-        request = api.EstimateSceneRequest(spec=many_meshes_spec()).SerializeToString()
-        keep_waiting(caller, told, over, "EstimateScene", request)
-
-
-@attack("work")
 def look_ups(target, told, over):
     """Look-ups of a scene of 16,384 meshes, 64 calls at any time."""
     with Caller(target) as caller:
@@ -130,6 +101,35 @@ def eager_watchers(target, told, over):
             told.attempt(caller.call, "DetectFrame", api.DetectFrameRequest(scene_id=scene, frame=frame))
         for messages in watches:
             messages.cancel()
+
+
+@attack("work")
+def nan_worlds(target, told, over):
+    """Sets of 65,536 worlds whose positions are no numbers, four at once."""
+    with Caller(target) as caller:
+        nothing = struct.pack("<f", float("nan")) * (18 * WORLDS)
+
+        def ask():
+            while not (made := told.attempt(caller.call, "CreateScenes", batch.CreateScenesRequest(spec=tip_spec(), count=WORLDS))):
+                if over.is_set():
+                    return
+            scene = batch.CreateScenesResponse.FromString(made).scenes.scene_id
+            caller.scenes.append(scene)
+            for frame_id in itertools.count(1):
+                if over.is_set():
+                    return
+                frame = batch.SetFrame(scene_id=scene, frame_id=frame_id, positions=nothing)
+                told.attempt(caller.call, "DetectBatch", batch.DetectBatchRequest(frames=[frame], max_answer_bytes=16 << 20))
+
+        in_threads(4, ask)
+
+
+@attack("work")
+def estimates(target, told, over):
+    """Estimates of a scene of 16,384 meshes, 64 calls at any time."""
+    with Caller(target) as caller:
+        request = api.EstimateSceneRequest(spec=many_meshes_spec()).SerializeToString()
+        keep_waiting(caller, told, over, "EstimateScene", request)
 
 
 @attack("work")
