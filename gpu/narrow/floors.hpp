@@ -91,8 +91,8 @@ struct FloorRules {
   }
 };
 
-/// Measures a pair at the start of its way. `way`: to where it is to go. A glance in float is enough for pairs that start
-/// above all floors; of these it is only told that they do.
+/// Measures a pair at the start of its way. `way`: to where it is to go. A glance in float is enough for pairs that
+/// start above all floors; of these it is only told that they do.
 template <class Kind, class Real>
 COLLIDED_HD StartDistance start_distance(const FeaturePoints<Real>& way, const FloorRules& rules) {
   const double largest = largest_coordinate(way), above = rules.reach() + PositionNoise<Real>::kOfFloor * largest;

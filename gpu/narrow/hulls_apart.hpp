@@ -3,7 +3,8 @@
 // at a fraction of its own. The test looks for a plane that separates all x and p of one feature from all x and p of
 // the other. The gap must be the distance asked for, and what rounding may move a vertex off its straight way. Then the
 // features stay apart at every fraction, at the end of the step and on the way. A glance in float, along one direction,
-// is enough: of what it leaves, a closer look in double tells one in ten apart and costs more than these pairs do later.
+// is enough: of what it leaves, a closer look in double tells one in ten apart and costs more than these pairs do
+// later.
 
 #include "gpu/exec/atomic.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
@@ -16,7 +17,7 @@ namespace collided {
 /// have; or four of either.
 template <class Kind, class Work, class Real>
 COLLIDED_HD Mask<Work> hulls_are_apart(const DifferencesOf<Work, Kind>& d, const FeaturePoints<Real>& p,
-                                                   const DoubleOf<Real>& distance) {
+                                       const DoubleOf<Real>& distance) {
   using Difference = DifferenceOf<Kind>;
   using Wide = DoubleOf<Real>;
   constexpr int kFirst = Difference::kCount == 3 ? 1 : 2;
@@ -32,8 +33,7 @@ COLLIDED_HD Mask<Work> hulls_are_apart(const DifferencesOf<Work, Kind>& d, const
   Mask<Work> is_apart = direction.length > 0;
   for (int k = 0; k < Difference::kCount; ++k) {
     const Work most = approach[Difference::minuend(k)] + approach[Difference::subtrahend(k)];
-    is_apart =
-        is_apart && lower_bound_along(direction.n, d.start[k], offset) > most * (1 + 4 * Precision<Work>::kUnit);
+    is_apart = is_apart && lower_bound_along(direction.n, d.start[k], offset) > most * (1 + 4 * Precision<Work>::kUnit);
   }
   return is_apart;
 }
@@ -67,7 +67,9 @@ struct ScreenHulls {
     if (!hulls_are_apart<Kind>(p, hulls_distance<Real>(reach(), largest_coordinate(p)))) survivors.push(candidates[i]);
   }
 
-  COLLIDED_HD FeaturePoints<Real> way(uint64_t i) const { return points_of(kind.stencil(candidates[i]), start, target); }
+  COLLIDED_HD FeaturePoints<Real> way(uint64_t i) const {
+    return points_of(kind.stencil(candidates[i]), start, target);
+  }
   COLLIDED_HD double reach() const {
     return max(ways_within, Deviations::widened(contacts_within, deviations.of_any_pair()));
   }

@@ -58,12 +58,10 @@ class Advances {
   uint32_t vertices() const { return shape().vertex_offset.back(); }
 
   /// The frame's own step, which judges the pairs that may block ways.
-  FrameResult detect(bool boxes_static, const FrameInput& frame, const FrameSettings& settings,
-                     const WayRules& rules) {
+  FrameResult detect(bool boxes_static, const FrameInput& frame, const FrameSettings& settings, const WayRules& rules) {
     if (!model_.spec().kinds.triangle_triangle)
       return pipeline_.detect_blocking(boxes_static, settings, frame.bytes_beside_contact, frame.room, rules);
-    FrameResult result =
-        pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
+    FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
     const size_t own_stages = result.stages.size();
     const FrameResult found = pipeline_.find_blocking(rules);
     result.replays += found.replays;
@@ -105,8 +103,7 @@ class Advances {
   WayRules rules(const WaysMeasure& measured) const {
     const Vec3<float> extent = measured.start.hi - measured.start.lo;
     return {FloorRules::of(model_.spec().min_separation, std::fmax(extent.x, std::fmax(extent.y, extent.z))),
-            rounded_up(positions_.off_straight()),
-            PositionNoise<Real>::kOfFloor * largest_coordinate(measured)};
+            rounded_up(positions_.off_straight()), PositionNoise<Real>::kOfFloor * largest_coordinate(measured)};
   }
   static double largest_coordinate(const WaysMeasure& measured) {
     const double start = max(largest_component(measured.start.lo), largest_component(measured.start.hi));

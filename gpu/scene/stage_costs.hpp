@@ -18,7 +18,8 @@ inline void make_one_stage(std::vector<StageTime>& stages, size_t first, size_t 
 
 /// Replaces all stages of a name by one at the end, with the sum of their times.
 inline void gather_stages(std::vector<StageTime>& stages, const char* name) {
-  const auto others = std::stable_partition(stages.begin(), stages.end(), [&](const StageTime& s) { return s.stage != name; });
+  const auto others =
+      std::stable_partition(stages.begin(), stages.end(), [&](const StageTime& s) { return s.stage != name; });
   make_one_stage(stages, static_cast<size_t>(others - stages.begin()), stages.size(), name);
 }
 

@@ -25,10 +25,10 @@ struct LevelNeeds {
   FieldSet fields = {};           ///< that are asked for
   bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
   bool tells_contacts = true;
-  bool advances = false;  ///< the step finds the pairs that ways are shortened for
-  WayRules ways = {};     ///< of such a step
-  bool has_room = false;          ///< there is memory of the backend for contacts
-  ContactWidths widths = {};      ///< of what is put there
+  bool advances = false;      ///< the step finds the pairs that ways are shortened for
+  WayRules ways = {};         ///< of such a step
+  bool has_room = false;      ///< there is memory of the backend for contacts
+  ContactWidths widths = {};  ///< of what is put there
 
   bool operator==(const LevelNeeds&) const = default;
 

@@ -17,7 +17,7 @@ namespace collided {
 template <class Kind, class Real>
 struct PairStars {
   static constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
-  static constexpr int kMostEdges = 12;           ///< of a vertex, in looking for directions
+  static constexpr int kMostEdges = 12;            ///< of a vertex, in looking for directions
   static constexpr uint32_t kMostNeighbours = 64;  ///< of a vertex
 
   Stencil s;

@@ -35,9 +35,7 @@ class ContactPhase {
     part([&] { narrow_.keep_earliest(); });
   }
   /// Whether nothing else matters.
-  bool has_hit() const {
-    return needs_.is_any_hit() && !needs_.advances && run_.found().shortcut.has_contact != 0;
-  }
+  bool has_hit() const { return needs_.is_any_hit() && !needs_.advances && run_.found().shortcut.has_contact != 0; }
   /// A step has ended: the next one at kAnyHit guesses that it is like this one.
   void finish() {
     if (needs_.is_any_hit()) had_hit_ = has_hit();

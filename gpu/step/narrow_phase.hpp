@@ -211,8 +211,8 @@ class NarrowPhase {
   CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
     return queries<Kind, Candidate>(kind, Span<const Candidate>(candidates.all()));
   }
-  /// Filters the candidates that ways may have to be shortened for: contacts are among them. Rounds that shorten ways use
-  /// the list's memory afterwards.
+  /// Filters the candidates that ways may have to be shortened for: contacts are among them. Rounds that shorten ways
+  /// use the list's memory afterwards.
   template <class Kind>
   AppendList<uint64_t> filter(const Kind& kind) {
     constexpr int k = kIndexOf<Kind>;

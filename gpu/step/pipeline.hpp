@@ -64,8 +64,8 @@ class Pipeline {
                       WaysMeasure{empty_box(), 0}, JoinMeasures{}, &context_.state()->ways);
     return run_.peek().ways;
   }
-  /// Finds the frame's contacts, and the pairs that ways are shortened for, and judges these where all vertices go all of
-  /// their ways. Not for pairs of triangles: they are those whose boxes meet, and boxes are wider.
+  /// Finds the frame's contacts, and the pairs that ways are shortened for, and judges these where all vertices go all
+  /// of their ways. Not for pairs of triangles: they are those whose boxes meet, and boxes are wider.
   FrameResult detect_blocking(bool boxes_static, const FrameSettings& settings, uint64_t bytes_beside_contact,
                               const ContactRoom& room, const WayRules& ways) {
     scene_.share.send(exec_);

@@ -13,8 +13,8 @@
 // and then some pair of theirs touches at t: but those that touched have left the plane, and the others never touch.
 //
 // n has to know the side: with a vertex, that something of its own star lies above it along n; with edges, that the
-// stars do not lie in one plane across n. What else a triangle is joined to is no evidence: a coin in a pit, whose walls
-// rise beside it, would leave it through the bottom. So flat on flat stands, for it has two sides.
+// stars do not lie in one plane across n. What else a triangle is joined to is no evidence: a coin in a pit, whose
+// walls rise beside it, would leave it through the bottom. So flat on flat stands, for it has two sides.
 
 #include "gpu/exact/fixed/differences.hpp"
 

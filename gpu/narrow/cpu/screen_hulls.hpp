@@ -36,8 +36,7 @@ struct InRanges<ScreenHulls<Real, Kind>> {
     FeaturePoints<Four<Real>> ways;
     for (int lane = 0; lane < 4; ++lane) {
       const FeaturePoints<Real> way = screen.way(min(first + static_cast<uint64_t>(lane), end - 1));
-      for (int k = 0; k < 4; ++k)
-        set_lane(ways.start[k], lane, way.start[k]), set_lane(ways.end[k], lane, way.end[k]);
+      for (int k = 0; k < 4; ++k) set_lane(ways.start[k], lane, way.start[k]), set_lane(ways.end[k], lane, way.end[k]);
     }
     const uint32_t loaded = load_differences<Kind, Four<float>>(ways, d).bits();
     const auto distance = hulls_distance<Four<Real>>(reach, largest_coordinate(ways));

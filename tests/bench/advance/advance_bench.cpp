@@ -70,9 +70,9 @@ nlohmann::json run(const Simulation& s, Backend backend, Scalar scalar, const Mo
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const double mean_way = std::accumulate(ways.begin(), ways.end(), 0.0) / frames;
-  std::cerr << s.name << ' ' << mode.name << ' ' << frames << " steps, " << crossed << " pairs of triangles met, " << shortened
-            << " shortened, " << frozen << " frozen (" << longest_freeze << " in a row), advanced / largest "
-            << median(of_largest) << ", mean way " << mean_way << ", least "
+  std::cerr << s.name << ' ' << mode.name << ' ' << frames << " steps, " << crossed << " pairs of triangles met, "
+            << shortened << " shortened, " << frozen << " frozen (" << longest_freeze
+            << " in a row), advanced / largest " << median(of_largest) << ", mean way " << mean_way << ", least "
             << *std::min_element(ways.begin(), ways.end()) << ", " << seconds << " s\n";
   uint64_t triangles = 0;
   for (const MeshSpec& m : simulator.bodies().meshes.meshes) triangles += m.triangles.size();

@@ -1,5 +1,5 @@
-// What a frame that advances costs beside the same frame without, as JSON. Each round plays the frame plainly and in all
-// modes, in turn, from the same positions.
+// What a frame that advances costs beside the same frame without, as JSON. Each round plays the frame plainly and in
+// all modes, in turn, from the same positions.
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -68,8 +68,7 @@ json measure(const BenchInput& input, const Options& o) {
               {"contacts", sides[0].last.vertex_triangle.size() + sides[0].last.edge_edge.size()},
               {"sides", json::object()}};
   for (const Side& side : sides) {
-    json& told = out["sides"][side.name] = {{"step_ms", median(side.step_ms)},
-                                            {"ratio", median(side.step_ms) / plain}};
+    json& told = out["sides"][side.name] = {{"step_ms", median(side.step_ms)}, {"ratio", median(side.step_ms) / plain}};
     if (!side.advances) continue;
     told["advance_ms"] = median(side.advance_ms);
     told["advanced"] = side.last.advanced.value_or(1);
@@ -95,7 +94,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--scene", o.scene, "One scene; default: all, and real frames");
   app.add_option("--scale", o.scale, "Of procedural scenes")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--seconds", o.seconds, "How long procedural scenes move in a frame: short enough, nothing is shortened")
+  app.add_option("--seconds", o.seconds,
+                 "How long procedural scenes move in a frame: short enough, nothing is shortened")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--separation", o.separation, "min_separation")->check(CLI::NonNegativeNumber)->capture_default_str();

@@ -156,8 +156,8 @@ TEST_P(RealFramesTest, CertifiedLevelsMissNothing) {
   }
 }
 
-// A first frame whose way is full of contacts: each vertex goes as far as it can. What is left of the ways is free, which
-// the exact level decides.
+// A first frame whose way is full of contacts: each vertex goes as far as it can. What is left of the ways is free,
+// which the exact level decides.
 TEST_P(RealFramesTest, VerticesGoAsFarAsTheyCan) {
   SceneSpec scene = spec(Accuracy::kCertified, Scalar::kF64);
   const auto detector = Detector::create(spec_for(case_, scene));

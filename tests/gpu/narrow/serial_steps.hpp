@@ -212,11 +212,11 @@ class SerialSteps {
              Shortening how, std::vector<double>& share) const {
     return with_kind(pair, [&](auto kind) {
       using Kind = decltype(kind);
-      const PairStars<Kind, Real> stars{{{pair.v[0], pair.v[1], pair.v[2], pair.v[3]}},
-                                        {{neighbour_begin_.data(), neighbour_begin_.size()},
-                                         {neighbours_.data(), neighbours_.size()}},
-                                        start.data(),
-                                        end.data()};
+      const PairStars<Kind, Real> stars{
+          {{pair.v[0], pair.v[1], pair.v[2], pair.v[3]}},
+          {{neighbour_begin_.data(), neighbour_begin_.size()}, {neighbours_.data(), neighbours_.size()}},
+          start.data(),
+          end.data()};
       if (is_way_free(stars, pair.floors)) return true;
       const FeaturePoints<Real> way = collided::points_of(stars.s, start.data(), end.data());
       const Shares shares = shares_of_failed<Kind>(way, pair.floors, how);

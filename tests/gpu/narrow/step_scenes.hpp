@@ -85,7 +85,9 @@ std::vector<Vec3d> rounded_to(std::vector<Vec3d> positions) {
 
 inline constexpr FractionOf kFractionsOf[] = {FractionOf::kVertex, FractionOf::kMesh, FractionOf::kScene};
 
-inline void add(StepScene& scene, const Shape& shape, bool fixed = false) { scene.add(shape.vertices, shape.faces, fixed); }
+inline void add(StepScene& scene, const Shape& shape, bool fixed = false) {
+  scene.add(shape.vertices, shape.faces, fixed);
+}
 
 /// Moves the vertices of a mesh.
 template <class Move>
@@ -94,7 +96,8 @@ std::vector<Vec3d> moved(const StepScene& scene, std::vector<Vec3d> x, uint32_t 
     if (scene.mesh[v] == mesh) x[v] = move(x[v]);
   return x;
 }
-inline std::vector<Vec3d> moved_by(const StepScene& scene, const std::vector<Vec3d>& x, uint32_t mesh, const Vec3d& by) {
+inline std::vector<Vec3d> moved_by(const StepScene& scene, const std::vector<Vec3d>& x, uint32_t mesh,
+                                   const Vec3d& by) {
   return moved(scene, x, mesh, [&](const Vec3d& p) { return plus(p, by); });
 }
 inline double least_height(const StepScene& scene, const std::vector<Vec3d>& x, uint32_t mesh) {

@@ -1,5 +1,5 @@
-// Steps of what touches at the start: it may part, and nothing sinks in. Judged by the sides of whole bodies, in rational
-// numbers, for a way between two triangles crosses neither.
+// Steps of what touches at the start: it may part, and nothing sinks in. Judged by the sides of whole bodies, in
+// rational numbers, for a way between two triangles crosses neither.
 
 #include <gtest/gtest.h>
 
@@ -21,9 +21,7 @@ Exact cross(const Exact& a, const Exact& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 mpq_class dot(const Exact& a, const Exact& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-mpq_class volume(const Solid& s) {
-  return dot(minus(s[1], s[0]), cross(minus(s[2], s[0]), minus(s[3], s[0])));
-}
+mpq_class volume(const Solid& s) { return dot(minus(s[1], s[0]), cross(minus(s[2], s[0]), minus(s[3], s[0]))); }
 
 /// Whether a plane across n has both solids on its two sides; they may touch it.
 bool parts(const Exact& n, const Solid& a, const Solid& b) {
@@ -170,8 +168,8 @@ TEST(TouchingStarts, OfFlatOnFlatStand) {
   }
 }
 
-// A coin on the bottom of a pit, and a loose point on a triangle whose neighbour rises: what a surface is joined to does
-// not say on which side of it something lies.
+// A coin on the bottom of a pit, and a loose point on a triangle whose neighbour rises: what a surface is joined to
+// does not say on which side of it something lies.
 TEST(TouchingStarts, InAPitDoNotLeaveThroughTheBottom) {
   StepScene pit;
   pit.add({{0, 0, 0}, {12, 0, 0}, {0, 12, 0}, {12, 12, 6}}, {{0, 1, 2}, {1, 3, 2}}, true);
@@ -225,7 +223,8 @@ TEST(TouchingStarts, OfBladesDoNotGoBetweenTwoTriangles) {
           const auto p = moved_by(scene, scene.positions, 1, {aside, 0, -0.25});
           EXPECT_EQ(least_height(scene, steps.advance(scene.positions, p).y, 1), 0) << slope << across << aside;
           const auto up = moved_by(scene, scene.positions, 1, {aside, 0, 0.25});
-          EXPECT_EQ(least_of(steps.advance(scene.positions, up).fractions), slope > 0 ? 0 : 1) << slope << across << aside;
+          EXPECT_EQ(least_of(steps.advance(scene.positions, up).fractions), slope > 0 ? 0 : 1)
+              << slope << across << aside;
         }
       }
     }
