@@ -154,7 +154,7 @@ Four<Work> scaled_thickness(double thickness, const Four<double>& scale) {
     for (int k = 0; k < 4; ++k) out.set(k, scaled_thickness<Work>(thickness, scale[k]));
   return out;
 }
-/// Each for its own.
+/// The same of four thicknesses. Work is four of the working type.
 template <class Work>
 Work scaled_thickness(const Four<double>& thickness, const Four<double>& scale) {
   Work out;

@@ -6,8 +6,9 @@
 // is enough: of what it leaves, a closer look in double tells one in ten apart and costs more than these pairs do
 // later.
 
+#include "gpu/base/deviations.hpp"
+#include "gpu/contacts/contact.hpp"
 #include "gpu/exec/atomic.hpp"
-#include "gpu/narrow/certified_ccd.hpp"
 #include "gpu/narrow/floors.hpp"
 
 namespace collided {

@@ -4,7 +4,6 @@
 // (step/shorten_phase.hpp).
 
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "gpu/base/groups.hpp"
@@ -37,7 +36,8 @@ class Advances {
       require_groups(frame.advance_mode);
     });
     const WaysMeasure measured = pipeline_.measure_ways();
-    FrameResult result = detect(boxes_static, frame, settings, rules(measured));
+    StageRange own_search;
+    FrameResult result = find_pairs(boxes_static, frame, settings, rules(measured), own_search);
     positions_.keep_target();
     WaysGone gone = GoneOfWay<Real>::nothing();
     pipeline_.shorten([&](ShortenPhase<Exec, Real>& shorten) {
@@ -49,7 +49,7 @@ class Advances {
     result.advanced = detail::bit_copy<double>(gone.least_bits);
     const double share = gone.all > 0 ? static_cast<double>(gone.gone) / static_cast<double>(gone.all) : 0;
     result.way = max(share, *result.advanced);  // whole units are a little less than what is gone
-    add_costs(result);
+    add_costs(own_search, result);
     return result;
   }
 
@@ -57,15 +57,20 @@ class Advances {
   const SceneShape& shape() const { return model_.shape(); }
   uint32_t vertices() const { return shape().vertex_offset.back(); }
 
-  /// The frame's own step, which judges the pairs that may block ways.
-  FrameResult detect(bool boxes_static, const FrameInput& frame, const FrameSettings& settings, const WayRules& rules) {
+  /// Stages [first, end) of a frame.
+  struct StageRange {
+    size_t first = 0, end = 0;
+  };
+  /// Finds the frame's contacts and judges the pairs that may block ways. `own_search`: the stages of a search for the
+  /// latter alone, if there is one.
+  FrameResult find_pairs(bool boxes_static, const FrameInput& frame, const FrameSettings& settings,
+                         const WayRules& rules, StageRange& own_search) {
     if (!model_.spec().kinds.triangle_triangle)
       return pipeline_.detect_blocking(boxes_static, settings, frame.bytes_beside_contact, frame.room, rules);
     FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
-    const size_t own_stages = result.stages.size();
     const FrameResult found = pipeline_.find_blocking(rules);
+    own_search = {result.stages.size(), found.stages.size()};
     result.replays += found.replays;
-    search_stages_ = {own_stages, found.stages.size()};
     return result;
   }
 
@@ -172,13 +177,12 @@ class Advances {
   }
 
   /// Adds the costs of the advance, as one stage.
-  void add_costs(FrameResult& result) {
+  void add_costs(const StageRange& own_search, FrameResult& result) {
     result.allocations = exec_.allocations();
     result.graph_launches = exec_.graph_launches();
     result.step_milliseconds = exec_.step_milliseconds();
     result.stages = exec_.stage_times();
-    const auto [first, end] = std::exchange(search_stages_, {});
-    if (first < end) make_one_stage(result.stages, first, end, "advance");
+    if (own_search.first < own_search.end) make_one_stage(result.stages, own_search.first, own_search.end, "advance");
     gather_stages(result.stages, "advance");
   }
 
@@ -189,7 +193,6 @@ class Advances {
   const ShardOf* const shard_;
   ResidentPositions<Exec, Real>& positions_;
   Pipeline<Exec, Real>& pipeline_;
-  std::pair<size_t, size_t> search_stages_{};  ///< of a search for the advance alone: the first, and behind the last
 };
 
 }  // namespace collided

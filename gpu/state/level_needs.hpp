@@ -24,11 +24,11 @@ struct LevelNeeds {
   PerKind<bool> kinds = {};
   FieldSet fields = {};           ///< that are asked for
   bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
-  bool tells_contacts = true;
-  bool advances = false;      ///< the step finds the pairs that ways are shortened for
-  WayRules ways = {};         ///< of such a step
-  bool has_room = false;      ///< there is memory of the backend for contacts
-  ContactWidths widths = {};  ///< of what is put there
+  bool tells_contacts = true;     ///< the step finds contacts
+  bool advances = false;          ///< the step finds the pairs that ways are shortened for
+  WayRules ways = {};             ///< of such a step
+  bool has_room = false;          ///< there is memory of the backend for contacts
+  ContactWidths widths = {};      ///< of what is put there
 
   bool operator==(const LevelNeeds&) const = default;
 

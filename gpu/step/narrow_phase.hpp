@@ -94,9 +94,8 @@ class NarrowPhase {
     exec_.stage(Kind::kNarrow, [&] {
       if (needs().advances) return detect_screened(kind, filter(kind), part);
       const AppendList<uint64_t> list = kept(Kind::kKind);
-      const Counted count{list.count, list.items.size(), list.most_in_vain()};
       if (needs().is_screened()) return detect_screened(kind, list, part);
-      part([&] { run(kind, count, list.items); });
+      part([&] { run(kind, counted(list), list.items); });
       if (needs().looks_twice()) part([&] { look_again(kind); });
     });
   }
@@ -156,6 +155,9 @@ class NarrowPhase {
   /// Second features are triangles, or of the same kind as the first.
   IdCounts id_counts() const {
     return {ranks_.count(), max(uint64_t{ranks_.most_of_a_kind()}, scene_.topology.triangle_count())};
+  }
+  static Counted counted(const AppendList<uint64_t>& list) {
+    return {list.count, list.items.size(), list.most_in_vain()};
   }
   CandidateBuffers<Exec>& candidates_of(ContactKind kind) { return scene_.candidates[index_of(kind)]; }
   AppendList<uint64_t> list_of(const Buffer<uint64_t, Exec>& buffer, uint64_t* count) const {
@@ -230,7 +232,7 @@ class NarrowPhase {
     StepState* state = scene_.state.data();
     const CandidateBuffers<Exec>& lists = candidates_of(Kind::kKind);
     part([&] {
-      exec_.for_each("screen_ccd", Counted{kept.count, kept.items.size(), kept.most_in_vain()},
+      exec_.for_each("screen_ccd", counted(kept),
                      ScreenCcd<Real, Kind>{queries<Kind, uint64_t>(kind, kept.items),
                                            {lists.screened.all(), &state->screened[k]}});
     });

@@ -1,20 +1,24 @@
 #pragma once
-// Features that touch at the start, and part.
+// Decides whether features that touch at the start part.
 //
-// The star of a vertex is the vertex and all that an edge joins to it. That of an edge is its triangles, and that of a
-// triangle is the triangle. A direction n parts two stars S and T if n . (s - t) >= 0 for all s in S and t in T, at the
-// start and at the end, and so between, for ways are straight. The features part if n . (s - t) > 0 at the end for all
+// Each feature has a star. The star of a vertex is its one-ring: the vertex and all vertices that an edge joins to it.
+// The star of an edge is the triangles that share it. The star of a triangle is the triangle. A direction n separates
+// the stars S and T if n . (s - t) >= 0 for all vertices s of S and t of T. It has to do so at the start and at the
+// end; ways are straight, so it does so in between. The features part if in addition n . (s - t) > 0 at the end for all
 // of their own vertices.
 //
-// Then no edge pierces a triangle later on. For let an edge and a triangle have a point in common at t > 0. If they had
-// none at the start, a vertex and a triangle or two edges of theirs meet between, and such pairs are judged by
-// themselves. If they had one, some such pair of theirs touches at the start. Its stars contain the edge and the
-// triangle and lie on either side of a plane across n all along. So the two have points in common in that plane alone,
-// and then some pair of theirs touches at t: but those that touched have left the plane, and the others never touch.
+// Claim: no edge pierces a triangle after the start. Proof: let an edge and a triangle have a common point at t > 0.
+// - They have none at the start. Then two of their features touch for the first time at some t > 0. Pairs that do not
+//   touch at the start are judged by themselves, and never touch.
+// - They have one at the start. Then two of their features touch at the start, and these part along some n. Their stars
+//   contain the edge and the triangle. A plane across n separates these all along, so all common points are in this
+//   plane, and two of their features touch at t. Those that touched at the start have left the plane by then. The
+//   others never touch.
 //
-// n has to know the side: with a vertex, that something of its own star lies above it along n; with edges, that the
-// stars do not lie in one plane across n. What else a triangle is joined to is no evidence: a coin in a pit, whose
-// walls rise beside it, would leave it through the bottom. So flat on flat stands, for it has two sides.
+// n must come from the right side. For a vertex, some vertex of its own star is above it along n. For two edges, the
+// stars are not both in one plane across n. The neighbours of a triangle are no evidence: the walls of a pit rise
+// beside its bottom, and with them as evidence a coin could leave the pit through the bottom. Flat features that lie on
+// each other have no known side, so they do not part.
 
 #include "gpu/exact/fixed/differences.hpp"
 
@@ -52,8 +56,8 @@ class Parting {
     features_ = Differences<kind, W>(unit, start, end);
   }
 
-  /// Whether one of these directions shows that the features part: their common normal at the start, their differences
-  /// at the end and the changes of these, and the normals of the triangles around them.
+  /// Returns true if the features part along one of several directions. These are their common normal at the start,
+  /// their differences at the end, the changes of the differences, and the normals of the triangles around them.
   COLLIDED_HD bool look() const {
     if (parts_along(normal())) return true;
     for (const Moving<W>& d : features_.d)

@@ -1,5 +1,5 @@
-// What a frame that advances costs beside the same frame without, as JSON. Each round plays the frame plainly and in
-// all modes, in turn, from the same positions.
+// Compares the cost of a frame that advances with that of the same frame without an advance. Writes JSON. Each round
+// plays the plain frame, then the frame in each mode, from the same positions.
 
 #include <CLI/CLI.hpp>
 #include <iostream>

@@ -168,8 +168,8 @@ TEST(TouchingStarts, OfFlatOnFlatStand) {
   }
 }
 
-// A coin on the bottom of a pit, and a loose point on a triangle whose neighbour rises: what a surface is joined to
-// does not say on which side of it something lies.
+// A coin lies on the bottom of a pit. A loose point lies on a triangle whose neighbour rises. The neighbours of a
+// surface do not tell on which side of it something lies.
 TEST(TouchingStarts, InAPitDoNotLeaveThroughTheBottom) {
   StepScene pit;
   pit.add({{0, 0, 0}, {12, 0, 0}, {0, 12, 0}, {12, 12, 6}}, {{0, 1, 2}, {1, 3, 2}}, true);
@@ -187,7 +187,7 @@ TEST(TouchingStarts, InAPitDoNotLeaveThroughTheBottom) {
     }
 }
 
-// What moves as one, to the last bit, need not part.
+// Features that move by exactly the same vector need not part.
 TEST(TouchingStarts, FallTogether) {
   StepScene scene;
   add(scene, sheet(3, 2, {0, 0, 0}));
