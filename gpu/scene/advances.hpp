@@ -40,12 +40,12 @@ class Advances {
     FrameResult result = find_pairs(boxes_static, frame, settings, rules(measured), own_search);
     positions_.keep_target();
     WaysGone gone = GoneOfWay<Real>::nothing();
-    pipeline_.shorten([&](ShortenPhase<Exec, Real>& shorten) {
-      if (run_rounds(shorten) == 0) return;  // all went all of their way
-      gone = shorten.add_up(positions_.target(), measured.longest);
-      if (gone.least_bits != kWholeBits)
-        tell(frame.advance_mode, shorten.fractions(positions_.target()), result.shortened);
-    });
+    if (run_rounds())
+      pipeline_.shorten_by_parts([&](ShortenPhase<Exec, Real>& shorten) {
+        gone = shorten.add_up(positions_.target(), measured.longest);
+        if (gone.least_bits != kWholeBits)
+          tell(frame.advance_mode, shorten.fractions(positions_.target()), result.shortened);
+      });
     result.advanced = detail::bit_copy<double>(gone.least_bits);
     const double share = gone.all > 0 ? static_cast<double>(gone.gone) / static_cast<double>(gone.all) : 0;
     result.way = max(share, *result.advanced);  // whole units are a little less than what is gone
@@ -117,22 +117,36 @@ class Advances {
   /// To a power of two: steps with other numbers are recorded anew.
   static double rounded_up(double x) { return x > 0 ? std::exp2(std::ceil(std::log2(x))) : 0; }
 
-  /// Returns how many rounds it took until no pair failed.
-  uint32_t run_rounds(ShortenPhase<Exec, Real>& shorten) {
-    if (shard_ != nullptr) join_starts(shorten);
+  /// Goes on until no pair fails. Returns whether any did.
+  bool run_rounds() {
+    if (shard_ != nullptr) join_starts();
     uint32_t round = 0;
-    for (; any_failed(); ++round) {
-      exec_.stage("advance", [&] {
-        shorten.propose(round);
-        join_shares();
-        if (shortening_of(round) == Shortening::kIslands) join_islands(shorten);
-        shorten.take_shares(round);
-        positions_.go();
-        shorten.judge_changed(round);
+    while (any_failed()) {
+      const uint32_t end = round + rounds_together(round);
+      pipeline_.shorten(round, end, [&](ShortenPhase<Exec, Real>& shorten) {
+        exec_.stage("advance", [&] {
+          for (uint32_t r = round; r < end; ++r) run_round(shorten, r);
+        });
       });
-      pipeline_.look_at_rounds();
+      round = end;
     }
-    return round;
+    return round > 0;
+  }
+  /// Rounds that need nothing of the host go together, but for late ones, which are rare. Those that no failed pair is
+  /// left for change nothing.
+  uint32_t rounds_together(uint32_t round) const {
+    constexpr uint32_t kFirst = 2, kLater = 4;
+    const bool need_host = shard_ != nullptr || positions_.has_rigid(),
+               is_late = shortening_of(round + kLater) > Shortening::kPlanes;
+    return need_host || is_late || !Exec::kLaunchesCost ? 1 : round == 0 ? kFirst : kLater;
+  }
+  void run_round(ShortenPhase<Exec, Real>& shorten, uint32_t round) {
+    shorten.propose(round);
+    join_shares();
+    if (shortening_of(round) == Shortening::kIslands) join_islands(shorten);
+    shorten.take_shares(round);
+    positions_.go();
+    shorten.judge_changed(round);
   }
   void join_islands(ShortenPhase<Exec, Real>& shorten) {
     while (any(shorten.join_islands(positions_.target()) > 0)) join_shares();
@@ -141,10 +155,9 @@ class Advances {
   // What shards of a scene have to know of each other.
   bool any_failed() { return any(pipeline_.count_failed() > 0); }
   bool any(bool here) { return shard_ == nullptr ? here : shard_->meeting.meet({here, 1}, exec_.asks()).any_contact; }
-  void join_starts(ShortenPhase<Exec, Real>& shorten) {
+  void join_starts() {
     join_least(ways_.clearances);
-    shorten.judge_all();
-    pipeline_.look_at_rounds();
+    pipeline_.shorten_by_parts([&](ShortenPhase<Exec, Real>& shorten) { shorten.judge_all(); });
   }
   void join_shares() {
     if (shard_ != nullptr) join_least(ways_.shares);

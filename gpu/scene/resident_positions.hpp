@@ -113,6 +113,7 @@ class ResidentPositions {
     exec_.download(fractions.data(), scene_.ways.fractions.data(), fractions.size() * sizeof(double));
     rigid_.go(fractions);
   }
+  bool has_rigid() const { return rigid_.has_any(); }
   /// As RigidMeshes has it.
   double off_straight() const { return rigid_.off_straight(); }
   const Vec3<Real>* target() const { return scene_.target.data(); }

@@ -102,19 +102,19 @@ std::array<Buffers, kFeatureKinds> make_per_kind(Exec& exec) {
 template <Executor Exec>
 struct BlockingPairs {
   explicit BlockingPairs(Exec& exec)
-      : pairs(exec, "advance"), starts(exec, "advance"), looked_at(exec, "advance"), failed(exec, "advance") {}
+      : pairs(exec, "advance"), starts(exec, "advance"), filtered(exec, "advance"), failed(exec, "advance") {}
 
   /// For so many pairs.
   void allocate(uint64_t count) {
     starts.allocate(count);
-    looked_at.allocate(count);
+    filtered.allocate(count);
     failed.allocate(count);
   }
 
   Buffer<uint64_t, Exec> pairs;
   Buffer<StartDistance, Exec> starts;
-  Buffer<uint64_t, Exec> looked_at;  ///< places in `pairs`, in the round
-  Buffer<uint64_t, Exec> failed;     ///< likewise
+  Buffer<uint64_t, Exec> filtered;  ///< those of them that may be contacts
+  Buffer<uint64_t, Exec> failed;    ///< places in `pairs`, in the round
 };
 
 /// Holds how far vertices go. Arrays of groups have a place for each vertex (base/groups.hpp).

@@ -20,7 +20,6 @@ struct WaysMeasure {
 
 /// Counts the pairs of a round that shortens ways (narrow/shortening.hpp).
 struct RoundCounts {
-  uint64_t looked_at[kFeatureKinds];
   uint64_t failed[kFeatureKinds];
   uint64_t joined;  ///< vertices that an island took in, at the last look
 

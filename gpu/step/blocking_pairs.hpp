@@ -116,17 +116,34 @@ struct MeasureStarts {
   }
 };
 
-/// Lists the pairs that do not keep their floors, of all or of those that are `looked_at`.
+/// Lists the pairs that may not go their ways, of those with a vertex whose fraction the round before has changed; tiny
+/// ones may be joined to one.
 template <class Real, class Kind>
 struct JudgePairs {
   WaysOfPairs<Real, Kind> ways;
-  Span<const uint64_t> looked_at;  ///< empty: all
+  const uint32_t* changed_in;
+  uint32_t round;  ///< 0: all pairs are judged
   AppendList<uint64_t> failed;
 
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const uint64_t pair = looked_at.empty() ? i : looked_at[i];
+  COLLIDED_HD void operator()(uint64_t pair) const {
     const Stencil s = ways.stencil(pair);
+    if (round > 0 && !has_changed(pair, s)) return;
     if (!is_way_free(ways.stars(s), ways.floors(pair, s))) failed.push(pair);
+  }
+
+ private:
+  COLLIDED_HD bool has_changed(uint64_t pair, const Stencil& s) const {
+    const bool is_tiny = ways.starts[pair].is_tiny();
+    bool any = false;
+    for (const uint32_t v : s.v) {
+      any = any || has_changed(v);
+      if (is_tiny) ways.joined.for_each(v, [&](uint32_t w) { any = any || has_changed(w); });
+    }
+    return any;
+  }
+  COLLIDED_HD bool has_changed(uint32_t v) const {
+    const uint32_t group = ways.group_of[v];
+    return group != kStands && changed_in[group] == round;
   }
 };
 
@@ -145,31 +162,6 @@ struct ProposeShares {
     for (int k = 0; k < 4; ++k)
       if (const uint32_t group = ways.group_of[s.v[k]]; group != kStands && proposed.of[k] < 1)
         atomic_min(shares[group], detail::bit_copy<uint64_t>(proposed.of[k]));
-  }
-};
-
-/// Lists the pairs with a vertex whose fraction the round has changed, or that are tiny and joined to one.
-template <class Real, class Kind>
-struct ListChanged {
-  WaysOfPairs<Real, Kind> ways;
-  const uint32_t* changed_in;
-  uint32_t round;
-  AppendList<uint64_t> looked_at;
-
-  COLLIDED_HD void operator()(uint64_t pair) const {
-    const bool is_tiny = ways.starts[pair].is_tiny();
-    bool any = false;
-    for (const uint32_t v : ways.stencil(pair).v) {
-      any = any || has_changed(v);
-      if (is_tiny) ways.joined.for_each(v, [&](uint32_t w) { any = any || has_changed(w); });
-    }
-    if (any) looked_at.push(pair);
-  }
-
- private:
-  COLLIDED_HD bool has_changed(uint32_t v) const {
-    const uint32_t group = ways.group_of[v];
-    return group != kStands && changed_in[group] == round;
   }
 };
 

@@ -213,14 +213,13 @@ class NarrowPhase {
   CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
     return queries<Kind, Candidate>(kind, Span<const Candidate>(candidates.all()));
   }
-  /// Filters the candidates that ways may have to be shortened for: contacts are among them. Rounds that shorten ways
-  /// use the list's memory afterwards.
+  /// Filters the candidates that ways may have to be shortened for: contacts are among them.
   template <class Kind>
   AppendList<uint64_t> filter(const Kind& kind) {
     constexpr int k = kIndexOf<Kind>;
     StepState* state = scene_.state.data();
     const BlockingPairs<Exec>& blocking = scene_.blocking[k];
-    const AppendList<uint64_t> filtered{blocking.looked_at.all(), &state->filtered[k]};
+    const AppendList<uint64_t> filtered{blocking.filtered.all(), &state->filtered[k]};
     exec_.for_each("filter_candidates", Counted{&state->blocking[k], blocking.pairs.capacity()},
                    FilterCandidates<Real, Kind>{
                        scene_.start.data(), scene_.end.data(), kind, {&state->filter}, blocking.pairs.all(), filtered});

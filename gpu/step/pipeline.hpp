@@ -79,13 +79,20 @@ class Pipeline {
     scene_.share.send(exec_);
     return detect(false, needs_of_ways(spec_, ways), 0, {});
   }
-  /// Returns how many pairs had failed when the step ended, or look_at_rounds() was called last.
+  /// Returns how many pairs had failed when the step ended, or the last rounds.
   uint64_t count_failed() const { return run_.found().round.count_failed(); }
-  void look_at_rounds() { run_.found() = run_.peek(); }
-  /// Runs rounds(shorten) as a step, which ends with its counts known.
+  /// Runs the rounds [first, end), which rounds(shorten) puts in line, as a step. Several go in one piece if they can.
   template <class Rounds>
-  void shorten(const Rounds& rounds) {
-    exec_.step_by_parts(scene_.state.data(), [&] { rounds(shorten_); });
+  void shorten(uint32_t first, uint32_t end, const Rounds& rounds) {
+    constexpr uint64_t kOfRounds = uint64_t{1} << 63;  // no number of a plan
+    const uint64_t number = kOfRounds | run_.number() << 16 | first;
+    if (end - first == 1 || !exec_.can_step(number)) return shorten_by_parts(rounds);
+    run_.found() = exec_.step(number, context_.state(), [&] { rounds(shorten_); });
+  }
+  /// Runs what may wait.
+  template <class Work>
+  void shorten_by_parts(const Work& work) {
+    run_.found() = exec_.step_by_parts(context_.state(), [&] { work(shorten_); });
   }
 
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.

@@ -2,7 +2,7 @@
 // Shortens ways until all pairs of features keep their floors (narrow/shortening.hpp). A step of the pipeline finds the
 // pairs that some fractions of the ways could bring below their floors, and judges each of them at the frame's own
 // positions. Rounds follow. A round shortens what failed pairs propose, then judges the pairs again whose vertices this
-// has moved. The host reads how many have failed, and nothing else.
+// has moved. The host reads how many have failed, and nothing else; on a GPU only after several rounds.
 
 #include <vector>
 
@@ -74,16 +74,13 @@ class ShortenPhase {
     });
   }
   /// Judges all pairs.
-  void judge_all() {
-    begin_round();
-    for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) { judge(kind, pairs(k), {}); });
-  }
+  void judge_all() { judge(0); }
 
-  // Rounds, each of which waits for the one before. Positions are those that the fractions lead to.
+  // Rounds. Positions are those that the fractions lead to.
   /// Lets failed pairs propose.
   void propose(uint32_t round) {
     const Shortening how = shortening_of(round);
-    for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
+    side_by_side([&]<class Kind>(int k, const Kind& kind) {
       const Buffer<uint64_t, Exec>& failed = scene_.blocking[k].failed;
       exec_.for_each("propose_shares", Counted{&state()->round.failed[k], failed.capacity()},
                      ProposeShares<Real, Kind>{ways_of(kind), failed.all(), how, scene_.ways.shares.data()});
@@ -106,16 +103,8 @@ class ShortenPhase {
     exec_.for_each("take_shares", counts_.vertices,
                    TakeShares{ways.shares.data(), ways.fractions.data(), ways.changed_in.data(), round + 1});
   }
-  /// Looks again at what the round has changed.
-  void judge_changed(uint32_t round) {
-    begin_round();
-    for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
-      const AppendList<uint64_t> list{scene_.blocking[k].looked_at.all(), &state()->round.looked_at[k]};
-      exec_.for_each("list_changed", pairs(k),
-                     ListChanged<Real, Kind>{ways_of(kind), scene_.ways.changed_in.data(), round + 1, list});
-      judge(kind, {list.count, list.items.size()}, list.items);
-    });
-  }
+  /// Judges again what the round has changed.
+  void judge_changed(uint32_t round) { judge(round + 1); }
 
   /// Adds up what became of the ways to the target. Waits.
   WaysGone add_up(const Vec3<Real>* target, float longest) {
@@ -160,13 +149,24 @@ class ShortenPhase {
             group_of(),
             scene_.ways.clearances.data()};
   }
-  void begin_round() { exec_.fill_zero(&state()->round, sizeof(RoundCounts)); }
-  template <class Kind>
-  void judge(const Kind& kind, const Counted& count, Span<const uint64_t> looked_at) {
-    constexpr int k = kIndexOf<Kind>;
-    exec_.for_each(
-        "judge_pairs", count,
-        JudgePairs<Real, Kind>{ways_of(kind), looked_at, {scene_.blocking[k].failed.all(), &state()->round.failed[k]}});
+  /// Judges the pairs that the round before this one has changed; all before the first.
+  void judge(uint32_t round) {
+    exec_.fill_zero(&state()->round, sizeof(RoundCounts));
+    side_by_side([&]<class Kind>(int k, const Kind& kind) {
+      exec_.for_each("judge_pairs", pairs(k),
+                     JudgePairs<Real, Kind>{ways_of(kind), scene_.ways.changed_in.data(), round,
+                                            {scene_.blocking[k].failed.all(), &state()->round.failed[k]}});
+    });
+  }
+  /// Both kinds at once, where the backend can.
+  template <class Use>
+  void side_by_side(const Use& use) const {
+    const auto use_kind = [&](int wanted) {
+      for_each_kind_of_pairs([&](int k, const auto& kind) {
+        if (k == wanted) use(k, kind);
+      });
+    };
+    exec_.concurrently([&] { use_kind(0); }, [&] { use_kind(1); });
   }
 
   Exec& exec_;

@@ -34,6 +34,7 @@ class StepRun {
     number_ = number;
     by_parts_ = !Exec::kLaunchesCost || exec_.allocations() > 0 || !exec_.can_step(number);
   }
+  uint64_t number() const { return number_; }
   bool is_by_parts() const { return by_parts_; }
   /// Runs the step once: enqueue() hands all of it to the backend. Returns false if it ran in one go and must_rerun().
   template <class Enqueue, class MustRerun>
