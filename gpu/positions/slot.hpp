@@ -25,6 +25,11 @@ struct SceneShape {
   uint32_t meshes() const { return meshes_of_world() * count_worlds(spec); }
   const MeshSpec& mesh(uint32_t number) const { return spec.meshes[number % meshes_of_world()]; }
   uint32_t world_of(uint32_t mesh) const { return mesh / meshes_of_world(); }
+  /// The number of the mesh that a vertex is of.
+  uint32_t mesh_of(uint32_t vertex) const {
+    const auto next = std::upper_bound(vertex_offset.begin(), vertex_offset.end(), vertex);
+    return static_cast<uint32_t>(next - vertex_offset.begin()) - 1;
+  }
 };
 
 template <Executor Exec, class Real>

@@ -3,7 +3,10 @@
 // towards the frame's positions. Each group of vertices goes as far as all pairs keep their floors
 // (step/shorten_phase.hpp).
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "gpu/base/groups.hpp"
@@ -35,17 +38,10 @@ class Advances {
       require_neighbours();
       require_groups(frame.advance_mode);
     });
-    const WaysMeasure measured = pipeline_.measure_ways();
     StageRange own_search;
-    FrameResult result = find_pairs(boxes_static, frame, settings, rules(measured), own_search);
-    positions_.keep_target();
-    WaysGone gone = GoneOfWay<Real>::nothing();
-    if (run_rounds())
-      pipeline_.shorten_by_parts([&](ShortenPhase<Exec, Real>& shorten) {
-        gone = shorten.add_up(positions_.target(), measured.longest);
-        if (gone.least_bits != kWholeBits)
-          tell(frame.advance_mode, shorten.fractions(positions_.target()), result.shortened);
-      });
+    FrameResult result = find_pairs(boxes_static, frame, settings, own_search);
+    const WaysGone gone = go(frame.advance_mode);
+    tell_shortened(frame.advance_mode, result.shortened);
     result.advanced = detail::bit_copy<double>(gone.least_bits);
     const double share = gone.all > 0 ? static_cast<double>(gone.gone) / static_cast<double>(gone.all) : 0;
     result.way = max(share, *result.advanced);  // whole units are a little less than what is gone
@@ -64,14 +60,36 @@ class Advances {
   /// Finds the frame's contacts and judges the pairs that may block ways. `own_search`: the stages of a search for the
   /// latter alone, if there is one.
   FrameResult find_pairs(bool boxes_static, const FrameInput& frame, const FrameSettings& settings,
-                         const WayRules& rules, StageRange& own_search) {
+                         StageRange& own_search) {
     if (!model_.spec().kinds.triangle_triangle)
-      return pipeline_.detect_blocking(boxes_static, settings, frame.bytes_beside_contact, frame.room, rules);
+      return by_rules([&](const WayRules& rules) {
+        return pipeline_.detect_blocking(boxes_static, settings, frame.bytes_beside_contact, frame.room, rules);
+      });
     FrameResult result = pipeline_.detect_contacts(boxes_static, settings, frame.bytes_beside_contact, frame.room);
-    const FrameResult found = pipeline_.find_blocking(rules);
+    const FrameResult found = by_rules([&](const WayRules& rules) { return pipeline_.find_blocking(rules); });
     own_search = {result.stages.size(), found.stages.size()};
     result.replays += found.replays;
     return result;
+  }
+  /// The rules depend on how far vertices go, which a step measures. It goes by those of the frame before, which seldom
+  /// change, and again by its own where they do.
+  template <class Search>
+  FrameResult by_rules(const Search& search) {
+    if (!measured_) measured_ = pipeline_.measure_ways();
+    const WayRules guess = rules(*measured_);
+    std::optional<FrameResult> result;
+    try {
+      result = search(guess);
+      measured_ = pipeline_.found().ways;
+    } catch (const ResourceExhausted&) {
+      measured_ = pipeline_.measure_ways();
+      if (rules(*measured_) == guess) throw;
+    }
+    if (rules(*measured_) == guess) return std::move(*result);
+    const uint32_t replays = result ? result->replays + 1 : 1;
+    result = search(rules(*measured_));
+    result->replays += replays;
+    return std::move(*result);
   }
 
   void require_neighbours() {
@@ -117,47 +135,64 @@ class Advances {
   /// To a power of two: steps with other numbers are recorded anew.
   static double rounded_up(double x) { return x > 0 ? std::exp2(std::ceil(std::log2(x))) : 0; }
 
-  /// Goes on until no pair fails. Returns whether any did.
-  bool run_rounds() {
+  using Shorten = ShortenPhase<Exec, Real>;
+
+  /// Goes as far as all pairs keep their floors. Returns what that came to.
+  WaysGone go(AdvanceMode mode) {
     if (shard_ != nullptr) join_starts();
-    uint32_t round = 0;
-    while (any_failed()) {
-      const uint32_t end = round + rounds_together(round);
-      pipeline_.shorten(round, end, [&](ShortenPhase<Exec, Real>& shorten) {
+    if (!any_failed()) return GoneOfWay<Real>::nothing();
+    const bool need_host = shard_ != nullptr || positions_.has_rigid();
+    if (!need_host)
+      pipeline_.shorten(static_cast<uint64_t>(mode), [&](Shorten& shorten) {
         exec_.stage("advance", [&] {
-          for (uint32_t r = round; r < end; ++r) run_round(shorten, r);
+          positions_.keep_target();
+          exec_.repeat(shorten.goes_on(), [&] { run_round(shorten); });
+          sum_up(shorten, mode);
         });
       });
-      round = end;
-    }
-    return round > 0;
+    if (any_failed())
+      pipeline_.shorten_by_parts([&](Shorten& shorten) {
+        exec_.stage("advance", [&] {
+          if (need_host) positions_.keep_target();
+          run_rounds_with_host(shorten);
+          sum_up(shorten, mode);
+        });
+      });
+    return pipeline_.found().gone;
   }
-  /// Rounds that need nothing of the host go together, but for late ones, which are rare. Those that no failed pair is
-  /// left for change nothing.
-  uint32_t rounds_together(uint32_t round) const {
-    constexpr uint32_t kFirst = 2, kLater = 4;
-    const bool need_host = shard_ != nullptr || positions_.has_rigid(),
-               is_late = shortening_of(round + kLater) > Shortening::kPlanes;
-    return need_host || is_late || !Exec::kLaunchesCost ? 1 : round == 0 ? kFirst : kLater;
-  }
-  void run_round(ShortenPhase<Exec, Real>& shorten, uint32_t round) {
-    shorten.propose(round);
-    join_shares();
-    if (shortening_of(round) == Shortening::kIslands) join_islands(shorten);
-    shorten.take_shares(round);
+  void run_round(Shorten& shorten) {
+    shorten.propose();
+    shorten.take_shares();
     positions_.go();
-    shorten.judge_changed(round);
+    shorten.judge_changed();
   }
-  void join_islands(ShortenPhase<Exec, Real>& shorten) {
+  void run_rounds_with_host(Shorten& shorten) {
+    do {
+      shorten.propose();
+      join_shares();
+      if (shortening_of(pipeline_.found().round.number) == Shortening::kIslands) join_islands(shorten);
+      shorten.take_shares();
+      positions_.go();
+      positions_.go_rigid();
+      shorten.judge_changed();
+      pipeline_.look_at_rounds();
+    } while (any_failed());
+  }
+  void join_islands(Shorten& shorten) {
     while (any(shorten.join_islands(positions_.target()) > 0)) join_shares();
+  }
+  void sum_up(Shorten& shorten, AdvanceMode mode) {
+    shorten.add_up(positions_.target());
+    if (mode != AdvanceMode::kAllOrOne)
+      shorten.list_shortened(positions_.target(), mode == AdvanceMode::kPerMesh);
   }
 
   // What shards of a scene have to know of each other.
-  bool any_failed() { return any(pipeline_.count_failed() > 0); }
+  bool any_failed() { return any(pipeline_.found().round.count_failed() > 0); }
   bool any(bool here) { return shard_ == nullptr ? here : shard_->meeting.meet({here, 1}, exec_.asks()).any_contact; }
   void join_starts() {
     join_least(ways_.clearances);
-    pipeline_.shorten_by_parts([&](ShortenPhase<Exec, Real>& shorten) { shorten.judge_all(); });
+    pipeline_.shorten_by_parts([&](Shorten& shorten) { shorten.judge_all(); });
   }
   void join_shares() {
     if (shard_ != nullptr) join_least(ways_.shares);
@@ -172,20 +207,16 @@ class Advances {
     exec_.wait();
   }
 
-  void tell(AdvanceMode mode, const std::vector<double>& fractions, ShortenedWays& told) const {
-    if (mode == AdvanceMode::kAllOrOne) return;
-    const auto add = [&](uint32_t id, uint32_t group) {
-      if (group == kStands || fractions[group] == 1) return;
-      told.ids.push_back(id);
-      told.fractions.push_back(fractions[group]);
-    };
-    for (uint32_t mesh = 0; mesh < shape().meshes(); ++mesh) {
-      const uint32_t first = shape().vertex_offset[mesh], end = shape().vertex_offset[mesh + 1];
-      if (first == end) continue;
-      if (mode == AdvanceMode::kPerMesh)
-        add(mesh, group_of(mode, mesh, first));
-      else
-        for (uint32_t v = first; v < end; ++v) add(v, group_of(mode, mesh, v));
+  /// By vertex, or by mesh.
+  void tell_shortened(AdvanceMode mode, ShortenedWays& told) {
+    std::vector<ShortenedWay> listed(pipeline_.found().shortened);
+    if (listed.empty()) return;
+    exec_.download(listed.data(), ways_.shortened.data(), listed.size() * sizeof(ShortenedWay));
+    std::sort(listed.begin(), listed.end(), [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
+    for (const ShortenedWay& way : listed) {
+      const uint32_t vertex = static_cast<uint32_t>(way.vertex);
+      told.ids.push_back(mode == AdvanceMode::kPerMesh ? shape().mesh_of(vertex) : vertex);
+      told.fractions.push_back(way.fraction);
     }
   }
 
@@ -206,6 +237,7 @@ class Advances {
   const ShardOf* const shard_;
   ResidentPositions<Exec, Real>& positions_;
   Pipeline<Exec, Real>& pipeline_;
+  std::optional<WaysMeasure> measured_;  ///< in the last frame
 };
 
 }  // namespace collided

@@ -108,12 +108,15 @@ class ResidentPositions {
     exec_.for_each("blend_each", vertices(),
                    BlendEach<Real>{scene_.start.data(), scene_.target.data(), scene_.topology.group_of.data(),
                                    scene_.ways.fractions.data(), scene_.end.data()});
-    if (!rigid_.has_any()) return;
+  }
+  bool has_rigid() const { return rigid_.has_any(); }
+  /// The same of rigid meshes, by their poses.
+  void go_rigid() {
+    if (!has_rigid()) return;
     std::vector<double> fractions(vertices());
     exec_.download(fractions.data(), scene_.ways.fractions.data(), fractions.size() * sizeof(double));
     rigid_.go(fractions);
   }
-  bool has_rigid() const { return rigid_.has_any(); }
   /// As RigidMeshes has it.
   double off_straight() const { return rigid_.off_straight(); }
   const Vec3<Real>* target() const { return scene_.target.data(); }

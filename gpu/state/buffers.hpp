@@ -121,19 +121,25 @@ struct BlockingPairs {
 template <Executor Exec>
 struct FractionBuffers {
   explicit FractionBuffers(Exec& exec)
-      : clearances(exec, "advance"), shares(exec, "advance"), fractions(exec, "advance"), changed_in(exec, "advance") {}
+      : clearances(exec, "advance"),
+        shares(exec, "advance"),
+        fractions(exec, "advance"),
+        changed_in(exec, "advance"),
+        shortened(exec, "advance") {}
 
   void allocate(uint64_t vertices) {
     clearances.allocate(vertices);
     shares.allocate(vertices);
     fractions.allocate(vertices);
     changed_in.allocate(vertices);
+    shortened.allocate(vertices);
   }
 
   Buffer<uint64_t, Exec> clearances;  ///< of each vertex (floors.hpp), as bits of a double
   Buffer<uint64_t, Exec> shares;      ///< the least that the round proposes, likewise
   Buffer<double, Exec> fractions;
   Buffer<uint32_t, Exec> changed_in;  ///< the last round that changed it, from 1 on
+  Buffer<ShortenedWay, Exec> shortened;
 };
 
 /// Contacts of all kinds as they are found. Candidates at kCandidates have keys alone.

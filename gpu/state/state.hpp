@@ -18,12 +18,20 @@ struct WaysMeasure {
   float longest;     ///< coordinate of a way, rounded up
 };
 
-/// Counts the pairs of a round that shortens ways (narrow/shortening.hpp).
+/// Counts the rounds that shorten ways, and the pairs of the last one (narrow/shortening.hpp).
 struct RoundCounts {
   uint64_t failed[kFeatureKinds];
-  uint64_t joined;  ///< vertices that an island took in, at the last look
+  uint64_t joined;   ///< vertices that an island took in, at the last look
+  uint64_t number;   ///< of the round in work: rounds that are over
+  uint64_t goes_on;  ///< 1: another round follows that needs nothing of the host
 
   uint64_t count_failed() const { return failed[0] + failed[1]; }
+};
+
+/// A vertex that goes less than its whole way.
+struct ShortenedWay {
+  double fraction;
+  uint64_t vertex;
 };
 
 /// Sums of all vertices' ways.
@@ -65,6 +73,7 @@ struct StepState {
   uint64_t filtered[kFeatureKinds];  ///< those of them that the filter keeps
   RoundCounts round;
   WaysGone gone;
+  uint64_t shortened;  ///< listed vertices
 };
 
 /// That the step asked for.

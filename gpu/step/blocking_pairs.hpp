@@ -116,18 +116,18 @@ struct MeasureStarts {
   }
 };
 
-/// Lists the pairs that may not go their ways, of those with a vertex whose fraction the round before has changed; tiny
-/// ones may be joined to one.
+/// Lists the pairs that may not go their ways: of all, or of those that the round in work has changed. It has changed a
+/// pair with a vertex whose fraction it has changed, and a tiny one that is joined to such a vertex.
 template <class Real, class Kind>
 struct JudgePairs {
   WaysOfPairs<Real, Kind> ways;
   const uint32_t* changed_in;
-  uint32_t round;  ///< 0: all pairs are judged
+  const uint64_t* round;  ///< its number; null: all pairs are judged
   AppendList<uint64_t> failed;
 
   COLLIDED_HD void operator()(uint64_t pair) const {
     const Stencil s = ways.stencil(pair);
-    if (round > 0 && !has_changed(pair, s)) return;
+    if (round != nullptr && !has_changed(pair, s)) return;
     if (!is_way_free(ways.stars(s), ways.floors(pair, s))) failed.push(pair);
   }
 
@@ -143,7 +143,7 @@ struct JudgePairs {
   }
   COLLIDED_HD bool has_changed(uint32_t v) const {
     const uint32_t group = ways.group_of[v];
-    return group != kStands && changed_in[group] == round;
+    return group != kStands && changed_in[group] == *round + 1;
   }
 };
 
@@ -152,12 +152,13 @@ template <class Real, class Kind>
 struct ProposeShares {
   WaysOfPairs<Real, Kind> ways;
   Span<const uint64_t> failed;
-  Shortening how;
+  const uint64_t* round;  ///< its number
   uint64_t* shares;
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const uint64_t pair = failed[i];
     const Stencil s = ways.stencil(pair);
+    const Shortening how = shortening_of(*round);
     const Shares proposed = shares_of_failed<Kind>(ways.way(s), ways.floors(pair, s), how);
     for (int k = 0; k < 4; ++k)
       if (const uint32_t group = ways.group_of[s.v[k]]; group != kStands && proposed.of[k] < 1)
@@ -190,21 +191,34 @@ struct JoinIslands {
   }
 };
 
-/// Shortens groups by the shares of a round, and makes the shares those of the next one, which proposes none yet.
+/// Shortens groups by the shares of a round, and makes the shares those of the next one, which proposes none yet. No
+/// pair has failed in that one so far.
 struct TakeShares {
   uint64_t* shares;
   double* fractions;
   uint32_t* changed_in;
-  uint32_t round;
+  RoundCounts* round;
 
   COLLIDED_HD void operator()(uint64_t group) const {
+    if (group == 0)
+      for (uint64_t& failed : round->failed) failed = 0;
     const uint64_t share = shares[group];
     if (share == kWholeBits) return;
     shares[group] = kWholeBits;
     const double next = shortened(fractions[group], detail::bit_copy<double>(share));
     if (next == fractions[group]) return;
     fractions[group] = next;
-    changed_in[group] = round;
+    changed_in[group] = static_cast<uint32_t>(round->number) + 1;
+  }
+};
+
+/// The round is over. Islands need the host.
+struct EndRound {
+  RoundCounts* round;
+
+  COLLIDED_HD void operator()(uint64_t) const {
+    ++round->number;
+    round->goes_on = round->count_failed() > 0 && shortening_of(round->number) != Shortening::kIslands ? 1 : 0;
   }
 };
 
@@ -230,16 +244,25 @@ struct GoneOfWay {
   const Vec3<Real>* target;
   const uint32_t* group_of;
   const double* fractions;
-  double units;  ///< in a length of 1
+  const WaysMeasure* ways;
+  uint64_t vertices;
 
   COLLIDED_HD WaysGone operator()(uint64_t v) const {
     const uint32_t group = group_of[v];
     if (group == kStands || is_same(start[v], target[v])) return nothing();
-    const Vec3<double> way = units * (convert<double>(target[v]) - convert<double>(start[v]));
+    const Vec3<double> way = units_of_length() * (convert<double>(target[v]) - convert<double>(start[v]));
     const double length = square_root(dot(way, way)), a = fractions[group];
     return {static_cast<uint64_t>(length), static_cast<uint64_t>(a * length), detail::bit_copy<uint64_t>(a)};
   }
   COLLIDED_HD static WaysGone nothing() { return {0, 0, kWholeBits}; }
+
+ private:
+  /// A power of two, with which no sum reaches 2^64.
+  COLLIDED_HD double units_of_length() const {
+    constexpr uint64_t kExponent = 0x7ff0000000000000;
+    const double most = 0x1p63 / (static_cast<double>(vertices) * ways->longest);
+    return detail::bit_copy<double>(detail::bit_copy<uint64_t>(most) & kExponent);
+  }
 };
 struct AddGone {
   COLLIDED_HD WaysGone operator()(const WaysGone& a, const WaysGone& b) const {
@@ -247,19 +270,32 @@ struct AddGone {
   }
 };
 
-/// Leaves the fractions of groups that move among those of others, which are 1.
+/// Marks the groups with a vertex that moves, by a share of 0. No round follows.
 template <class Real>
-struct TellFractions {
+struct MarkMoving {
   const Vec3<Real>* start;
   const Vec3<Real>* target;
   const uint32_t* group_of;
-  const double* fractions;
-  uint64_t* told;  ///< bits of 1 at first
+  uint64_t* shares;
 
   COLLIDED_HD void operator()(uint64_t v) const {
     const uint32_t group = group_of[v];
-    if (group == kStands || is_same(start[v], target[v])) return;
-    atomic_write(told[group], detail::bit_copy<uint64_t>(fractions[group]));
+    if (group != kStands && !is_same(start[v], target[v])) atomic_write(shares[group], uint64_t{0});
+  }
+};
+
+/// Lists the vertices of marked groups that go less than their whole ways, or the first of each such group.
+struct ListShortened {
+  const uint32_t* group_of;
+  const double* fractions;
+  const uint64_t* shares;
+  bool first_of_group;
+  AppendList<ShortenedWay> shortened;
+
+  COLLIDED_HD void operator()(uint64_t v) const {
+    const uint32_t group = group_of[v];
+    if (group == kStands || (first_of_group && group != v)) return;
+    if (shares[group] == 0 && fractions[group] < 1) shortened.push({fractions[group], v});
   }
 };
 

@@ -60,8 +60,7 @@ class Pipeline {
   WaysMeasure measure_ways() {
     run_.begin();  // whoever is interrupted here has found nothing
     run_.reserve();
-    exec_.reduce_into("measure_ways", counts_.vertices, MeasureWay<Real>{scene_.start.data(), scene_.end.data()},
-                      WaysMeasure{empty_box(), 0}, JoinMeasures{}, &context_.state()->ways);
+    shorten_.measure_ways();
     return run_.peek().ways;
   }
   /// Finds the frame's contacts, and the pairs that ways are shortened for, and judges these where all vertices go all
@@ -79,20 +78,22 @@ class Pipeline {
     scene_.share.send(exec_);
     return detect(false, needs_of_ways(spec_, ways), 0, {});
   }
-  /// Returns how many pairs had failed when the step ended, or the last rounds.
-  uint64_t count_failed() const { return run_.found().round.count_failed(); }
-  /// Runs the rounds [first, end), which rounds(shorten) puts in line, as a step. Several go in one piece if they can.
+  /// Returns what the step has found, with the rounds that were run since.
+  const StepState& found() const { return run_.found(); }
+  void look_at_rounds() { run_.found() = run_.peek(); }
+  /// Runs rounds(shorten) as a step of its own, in one piece if it can. After steps of equal plans, rounds of the same
+  /// `kind`, below 256, put the same work in line.
   template <class Rounds>
-  void shorten(uint32_t first, uint32_t end, const Rounds& rounds) {
+  void shorten(uint64_t kind, const Rounds& rounds) {
     constexpr uint64_t kOfRounds = uint64_t{1} << 63;  // no number of a plan
-    const uint64_t number = kOfRounds | run_.number() << 16 | first;
-    if (end - first == 1 || !exec_.can_step(number)) return shorten_by_parts(rounds);
+    const uint64_t number = kOfRounds | run_.number() << 8 | kind;
+    if (!Exec::kRecordsLoops || exec_.allocations() > 0 || !exec_.can_step(number)) return shorten_by_parts(rounds);
     run_.found() = exec_.step(number, context_.state(), [&] { rounds(shorten_); });
   }
-  /// Runs what may wait.
-  template <class Work>
-  void shorten_by_parts(const Work& work) {
-    run_.found() = exec_.step_by_parts(context_.state(), [&] { work(shorten_); });
+  /// The same, where the host has a part in it.
+  template <class Rounds>
+  void shorten_by_parts(const Rounds& rounds) {
+    run_.found() = exec_.step_by_parts(context_.state(), [&] { rounds(shorten_); });
   }
 
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
@@ -166,7 +167,6 @@ class Pipeline {
     return {counts_.triangles, Exec::kLaunchesCost, topology.branches > 0, topology.idle.are_all};
   }
   const LevelNeeds& needs() const { return plan_.needs; }
-  const StepState& found() const { return run_.found(); }
 
   void run_step(const LevelNeeds& needs, bool boxes_static) {
     try {

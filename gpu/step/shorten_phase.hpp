@@ -2,9 +2,7 @@
 // Shortens ways until all pairs of features keep their floors (narrow/shortening.hpp). A step of the pipeline finds the
 // pairs that some fractions of the ways could bring below their floors, and judges each of them at the frame's own
 // positions. Rounds follow. A round shortens what failed pairs propose, then judges the pairs again whose vertices this
-// has moved. The host reads how many have failed, and nothing else; on a GPU only after several rounds.
-
-#include <vector>
+// has moved. The backend goes from round to round by itself, for as long as no round needs the host.
 
 #include "gpu/narrow/hulls_apart.hpp"
 #include "gpu/state/context.hpp"
@@ -39,12 +37,19 @@ class ShortenPhase {
   }
 
   // The step's own part, to where the frame wants to go.
-  /// Lets all vertices go all of their ways.
+  void measure_ways() {
+    exec_.reduce_into("measure_ways", counts_.vertices, MeasureWay<Real>{scene_.start.data(), scene_.end.data()},
+                      WaysMeasure{empty_box(), 0}, JoinMeasures{}, &state()->ways);
+  }
+  /// Measures all ways, and lets all vertices go all of theirs.
   void begin_ways() {
     FractionBuffers<Exec>& ways = scene_.ways;
-    exec_.for_each(
-        "begin_ways", counts_.vertices,
-        BeginWays{ways.clearances.data(), ways.shares.data(), ways.fractions.data(), ways.changed_in.data()});
+    exec_.stage("advance", [&] {
+      measure_ways();
+      exec_.for_each(
+          "begin_ways", counts_.vertices,
+          BeginWays{ways.clearances.data(), ways.shares.data(), ways.fractions.data(), ways.changed_in.data()});
+    });
   }
   /// Lists the candidates that some fractions of the ways could bring below their floors.
   template <class Kind>
@@ -67,23 +72,28 @@ class ShortenPhase {
   void judge_ways() {
     reserve();  // a step by parts has made room for pairs since
     exec_.stage("advance", [&] {
-      for_each_kind_of_pairs([&]<class Kind>(int k, const Kind& kind) {
+      side_by_side([&]<class Kind>(int k, const Kind& kind) {
         exec_.for_each("measure_starts", pairs(k), MeasureStarts<Real, Kind>{ways_of(kind)});
       });
       judge_all();
     });
   }
-  /// Judges all pairs.
-  void judge_all() { judge(0); }
+  /// Judges all pairs, before the first round.
+  void judge_all() {
+    exec_.fill_zero(&state()->round, sizeof(RoundCounts));
+    judge(nullptr);
+  }
 
   // Rounds. Positions are those that the fractions lead to.
+  /// 1 on the backend after a round: another one follows that needs nothing of the host.
+  const uint64_t* goes_on() const { return &state()->round.goes_on; }
   /// Lets failed pairs propose.
-  void propose(uint32_t round) {
-    const Shortening how = shortening_of(round);
+  void propose() {
     side_by_side([&]<class Kind>(int k, const Kind& kind) {
       const Buffer<uint64_t, Exec>& failed = scene_.blocking[k].failed;
       exec_.for_each("propose_shares", Counted{&state()->round.failed[k], failed.capacity()},
-                     ProposeShares<Real, Kind>{ways_of(kind), failed.all(), how, scene_.ways.shares.data()});
+                     ProposeShares<Real, Kind>{ways_of(kind), failed.all(), &state()->round.number,
+                                               scene_.ways.shares.data()});
     });
   }
   /// Lets what stands take in what is connected to it. Returns the vertices that it took in.
@@ -98,32 +108,34 @@ class ShortenPhase {
     return exec_.peek(state()).round.joined;
   }
   /// Shortens all groups by the shares that were proposed.
-  void take_shares(uint32_t round) {
+  void take_shares() {
     FractionBuffers<Exec>& ways = scene_.ways;
     exec_.for_each("take_shares", counts_.vertices,
-                   TakeShares{ways.shares.data(), ways.fractions.data(), ways.changed_in.data(), round + 1});
+                   TakeShares{ways.shares.data(), ways.fractions.data(), ways.changed_in.data(), &state()->round});
   }
-  /// Judges again what the round has changed.
-  void judge_changed(uint32_t round) { judge(round + 1); }
+  /// Judges again what the round has changed. The round is over.
+  void judge_changed() {
+    judge(&state()->round.number);
+    exec_.for_each("end_round", 1, EndRound{&state()->round});
+  }
 
-  /// Adds up what became of the ways to the target. Waits.
-  WaysGone add_up(const Vec3<Real>* target, float longest) {
-    const double most = 0x1p63 / static_cast<double>(counts_.vertices);  // no sum reaches 2^64
-    const double units = longest > 0 ? std::exp2(std::floor(std::log2(most / longest))) : 1;
+  // After the last round.
+  /// Adds up what became of the ways to the target.
+  void add_up(const Vec3<Real>* target) {
     exec_.reduce_into("gone", counts_.vertices,
-                      GoneOfWay<Real>{scene_.start.data(), target, group_of(), scene_.ways.fractions.data(), units},
+                      GoneOfWay<Real>{scene_.start.data(), target, group_of(), scene_.ways.fractions.data(),
+                                      &state()->ways, counts_.vertices},
                       GoneOfWay<Real>::nothing(), AddGone{}, &state()->gone);
-    return exec_.peek(state()).gone;
   }
-  /// Returns the fraction of each group that moves towards the target; 1 of all others.
-  std::vector<double> fractions(const Vec3<Real>* target) {
+  /// Lists the vertices that go less than their whole ways to the target, or the first of each such group.
+  void list_shortened(const Vec3<Real>* target, bool first_of_group) {
     FractionBuffers<Exec>& ways = scene_.ways;
-    exec_.for_each(
-        "tell_fractions", counts_.vertices,
-        TellFractions<Real>{scene_.start.data(), target, group_of(), ways.fractions.data(), ways.shares.data()});
-    std::vector<double> told(counts_.vertices);
-    exec_.download(told.data(), ways.shares.data(), told.size() * sizeof(double));
-    return told;
+    exec_.fill_zero(&state()->shortened, sizeof(uint64_t));
+    exec_.for_each("mark_moving", counts_.vertices,
+                   MarkMoving<Real>{scene_.start.data(), target, group_of(), ways.shares.data()});
+    exec_.for_each("list_shortened", counts_.vertices,
+                   ListShortened{group_of(), ways.fractions.data(), ways.shares.data(), first_of_group,
+                                 {ways.shortened.all(), &state()->shortened}});
   }
 
  private:
@@ -149,9 +161,7 @@ class ShortenPhase {
             group_of(),
             scene_.ways.clearances.data()};
   }
-  /// Judges the pairs that the round before this one has changed; all before the first.
-  void judge(uint32_t round) {
-    exec_.fill_zero(&state()->round, sizeof(RoundCounts));
+  void judge(const uint64_t* round) {
     side_by_side([&]<class Kind>(int k, const Kind& kind) {
       exec_.for_each("judge_pairs", pairs(k),
                      JudgePairs<Real, Kind>{ways_of(kind), scene_.ways.changed_in.data(), round,

@@ -36,6 +36,7 @@ class CpuExec {
   }
   void deallocate(const std::string& part, void* memory, uint64_t bytes) { memory_.deallocate(part, memory, bytes); }
   static constexpr bool kLaunchesCost = false;
+  static constexpr bool kRecordsLoops = true;
   const MemoryLedger& ledger() const { return *memory_.ledger(); }
 
   using Staging = HostStaging;
@@ -167,6 +168,13 @@ class CpuExec {
   void concurrently(const F& f, const G& g) {
     f();
     g();
+  }
+  template <class F>
+  void repeat(const uint64_t* again, const F& f) {
+    do {
+      loops_.asks.ask();
+      f();
+    } while (*again != 0);
   }
 
   template <class F>

@@ -19,6 +19,7 @@
 #include "gpu/exec/cuda/cuda_memory.cuh"
 #include "gpu/exec/cuda/device.cuh"
 #include "gpu/exec/cuda/for_each.cuh"
+#include "gpu/exec/cuda/graph_loop.cuh"
 #include "gpu/exec/cuda/in_parts.cuh"
 #include "gpu/exec/cuda/nvtx.cuh"
 #include "gpu/exec/cuda/reduce.cuh"
@@ -71,6 +72,7 @@ class CudaExec {
     memory_.deallocate(part, memory, bytes);
   }
   static constexpr bool kLaunchesCost = true;
+  static constexpr bool kRecordsLoops = collided::kRecordsLoops;
   const MemoryLedger& ledger() const { return *memory_.ledger(); }
 
   using Staging = CudaStaging;
@@ -265,6 +267,23 @@ class CudaExec {
     check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
   }
 
+  /// Where a step is recorded, the device decides whether to go on.
+  template <class F>
+  void repeat(const uint64_t* again, const F& f) {
+    if (reserving_) return f();
+    if (!graphs_.is_recording()) {
+      do f();
+      while (peek(again) != 0);
+      return;
+    }
+    begin_now();
+    if (loop_streams_ == nullptr) loop_streams_ = std::make_unique<CudaStream[]>(2);
+    record_loop(stream_, loop_streams_[0], again, [&] {
+      const ForNow<cudaStream_t> stream(stream_, loop_streams_[0]), side(side_, loop_streams_[1]);
+      f();
+    });
+  }
+
   /// Within a step its name, and the time it begins at, become part of the recording.
   template <class F>
   void stage(const char* name, const F& f) {
@@ -388,6 +407,7 @@ class CudaExec {
   CpuLoops loops_;
   CudaStream streams_[2];  ///< which outlive all buffers
   cudaStream_t stream_ = streams_[0], side_ = streams_[1];
+  std::unique_ptr<CudaStream[]> loop_streams_;  ///< that recordings of loops are made on
   cudaEvent_t fork_ = make_event(), join_ = make_event();
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
   StepGraphs graphs_;

@@ -1,7 +1,8 @@
 // Compares the cost of a frame that advances with that of the same frame without an advance. Writes JSON. Each round
-// plays the plain frame, then the frame in each mode, from the same positions.
+// plays the plain frame, then the frame in each mode, from the same positions, in a scene for each.
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -22,19 +23,23 @@ struct Options {
   double scale = 1, separation = 1e-4, seconds = kFrameSeconds;
 };
 
-/// A way to play a frame, and what it cost.
+/// A way to play a frame, and what it cost: the whole call, the backend's part, and the advance's part of that.
 struct Side {
   std::string name;
   bool advances = true;
   AdvanceMode mode = AdvanceMode::kAllOrOne;
-  std::vector<double> step_ms = {}, advance_ms = {};
+  std::unique_ptr<Detector> detector = {};
+  std::vector<double> frame_ms = {}, step_ms = {}, advance_ms = {};
   FrameResult last = {};
 
-  void play(Detector& detector, FrameInput frame, bool counts) {
+  void play(FrameInput frame, bool counts) {
     frame.advance = advances;
     frame.advance_mode = mode;
-    last = detector.detect(frame);
+    const auto begin = std::chrono::steady_clock::now();
+    last = detector->detect(frame);
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     if (!counts) return;
+    frame_ms.push_back(took.count());
     step_ms.push_back(last.step_milliseconds);
     for (const StageTime& stage : last.stages)
       if (stage.stage == "advance") advance_ms.push_back(stage.milliseconds);
@@ -50,25 +55,28 @@ json measure(const BenchInput& input, const Options& o) {
   spec.threads = o.threads;
   spec.engine = Engine::kOctree;
   spec.min_separation = o.separation;
-  const auto detector = Detector::create(spec_for(way, spec));
   Side sides[] = {{.name = "plain", .advances = false},
                   {.name = "all_or_one"},
                   {.name = "per_mesh", .mode = AdvanceMode::kPerMesh},
                   {.name = "per_vertex", .mode = AdvanceMode::kPerVertex}};
+  for (Side& side : sides) side.detector = Detector::create(spec_for(way, spec));
   const Frame first(way, Mode::kCcd, o.scalar), frame(way, Mode::kCcd, o.scalar, false);
   for (int i = -o.warm_up; i < o.rounds; ++i)
     for (Side& side : sides)
-      side.play(*detector, i == -o.warm_up && &side == sides ? first.input() : frame.input(), i >= 0);
-  const double plain = median(sides[0].step_ms);
+      side.play(i == -o.warm_up ? first.input() : frame.input(), i >= 0);
+  const double plain = median(sides[0].step_ms), plain_frame = median(sides[0].frame_ms);
   json out = {{"scene", input.name},
-              {"triangles", detector->topology().triangles.size()},
+              {"triangles", sides[0].detector->topology().triangles.size()},
               {"min_separation", o.separation},
               {"seconds", o.seconds},
               {"rounds", o.rounds},
               {"contacts", sides[0].last.vertex_triangle.size() + sides[0].last.edge_edge.size()},
               {"sides", json::object()}};
   for (const Side& side : sides) {
-    json& told = out["sides"][side.name] = {{"step_ms", median(side.step_ms)}, {"ratio", median(side.step_ms) / plain}};
+    json& told = out["sides"][side.name] = {{"step_ms", median(side.step_ms)},
+                                              {"ratio", median(side.step_ms) / plain},
+                                              {"frame_ms", median(side.frame_ms)},
+                                              {"frame_ratio", median(side.frame_ms) / plain_frame}};
     if (!side.advances) continue;
     told["advance_ms"] = median(side.advance_ms);
     told["advanced"] = side.last.advanced.value_or(1);

@@ -167,6 +167,41 @@ TEST_F(AdvanceModes, EndWithIslandsWhereNothingElseHelps) {
   }
 }
 
+/// As soon as no memory is allocated any more, a GPU goes through all rounds in one launch beside the step's own.
+TEST_F(AdvanceModes, TellTheSameOverAndOver) {
+  size_t with_rounds = 0;
+  for (uint64_t seed = 41; seed <= 52; ++seed)
+    for (const AdvanceMode mode : kModes) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", mode " + std::to_string(static_cast<int>(mode)));
+      Random random(seed);
+      const StepScene scene = placed_scene(seed, -8);
+      const std::vector<Vec3d> p = any_target<double>(scene, scene.positions, 1, random);
+      SceneSpec spec = settings(Mode::kCcd, seed % 3 == 0 ? Accuracy::kExact : Accuracy::kCertified);
+      spec.min_separation = 1e-3;
+      const Case at_rest = case_of(scene, scene.positions, scene.positions), way = case_of(scene, scene.positions, p);
+      const auto detector = Detector::create(spec_for(at_rest, spec));
+      detector->detect(Frame(at_rest, Mode::kCcd, Scalar::kF64).input());
+      const Frame frame(way, Mode::kDcd, Scalar::kF64, false);
+      FrameInput input = frame.input();
+      input.advance = input.trial = true, input.advance_mode = mode;
+      const FrameResult first = detector->detect(input);
+      for (int i = 0; i < 5; ++i) {
+        const FrameResult again = detector->detect(input);
+        EXPECT_EQ(again.advanced, first.advanced);
+        EXPECT_EQ(again.way, first.way);
+        EXPECT_EQ(again.shortened.ids, first.shortened.ids);
+        EXPECT_EQ(again.shortened.fractions, first.shortened.fractions);
+        if (i < 4) continue;
+        with_rounds += *again.advanced < 1;
+        EXPECT_EQ(again.allocations, 0u);
+        if (kBackend == Backend::kCuda) {
+          EXPECT_EQ(again.graph_launches, *again.advanced < 1 ? 2u : 1u);
+        }
+      }
+    }
+  EXPECT_GT(with_rounds, 12u);
+}
+
 TEST_F(AdvanceModes, NeedAFrameThatAdvances) {
   const StepScene scene = any_scene(0, 0.1);
   const Case c = case_of(scene, scene.positions, scene.positions);
