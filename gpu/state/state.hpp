@@ -25,7 +25,7 @@ struct RoundCounts {
   uint64_t number;   ///< of the round in work: rounds that are over
   uint64_t goes_on;  ///< 1: another round follows that needs nothing of the host
 
-  uint64_t count_failed() const { return failed[0] + failed[1]; }
+  COLLIDED_HD uint64_t count_failed() const { return failed[0] + failed[1]; }
 };
 
 /// A vertex that goes less than its whole way.

@@ -270,9 +270,10 @@ struct AddGone {
   }
 };
 
-/// Marks the groups with a vertex that moves, by a share of 0. No round follows.
+/// Marks the groups with a vertex that moves, by a share of 0; none if another round follows, which begins with shares.
 template <class Real>
 struct MarkMoving {
+  const RoundCounts* round;
   const Vec3<Real>* start;
   const Vec3<Real>* target;
   const uint32_t* group_of;
@@ -280,7 +281,8 @@ struct MarkMoving {
 
   COLLIDED_HD void operator()(uint64_t v) const {
     const uint32_t group = group_of[v];
-    if (group != kStands && !is_same(start[v], target[v])) atomic_write(shares[group], uint64_t{0});
+    if (round->count_failed() > 0 || group == kStands || is_same(start[v], target[v])) return;
+    atomic_write(shares[group], uint64_t{0});
   }
 };
 

@@ -26,10 +26,9 @@ class ContactPhase {
   /// Finds the pairs that ways are shortened for, looks at all of them, and finds the contacts if they are wanted.
   void detect_blocking(ShortenPhase<Exec, Real>& shorten) {
     part([&] { candidates_.search(needs_.kinds); });
-    for_each_features([&](const auto& kind) { part([&] { shorten.screen(kind); }); });
-    shorten.judge_ways();
-    if (!needs_.tells_contacts) return;
-    detect_side_by_side();
+    side_by_side([&](const auto& kind) { part([&] { shorten.screen(kind); }); });
+    if (!needs_.tells_contacts) return shorten.judge_ways();
+    context_.exec.concurrently([&] { detect_side_by_side(); }, [&] { shorten.judge_ways(); });
   }
   void keep_earliest() {
     part([&] { narrow_.keep_earliest(); });
@@ -92,17 +91,21 @@ class ContactPhase {
     }
     narrow_.look_at_first(narrow_.kAll);
   }
-  /// The first kind beside the others.
   void detect_side_by_side() {
+    side_by_side([&](const auto& kind) { detect(kind); });
+  }
+  /// use(kind) of the first kind beside that of the others.
+  template <class Use>
+  void side_by_side(const Use& use) const {
     int kinds = 0;
     for_each_features([&](const auto&) { ++kinds; });
-    const auto detect = [&](bool first) {
+    const auto use_those = [&](bool first) {
       for_each_features([&]<class Kind>(const Kind& kind) {
-        if ((Kind::kKind == first_of(needs_.kinds)) == first) this->detect(kind);
+        if ((Kind::kKind == first_of(needs_.kinds)) == first) use(kind);
       });
     };
-    if (kinds == 1) return detect(true);
-    context_.exec.concurrently([&] { detect(true); }, [&] { detect(false); });
+    if (kinds == 1) return use_those(true);
+    context_.exec.concurrently([&] { use_those(true); }, [&] { use_those(false); });
   }
 
   void detect_triangles() {

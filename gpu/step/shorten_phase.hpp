@@ -132,7 +132,7 @@ class ShortenPhase {
     FractionBuffers<Exec>& ways = scene_.ways;
     exec_.fill_zero(&state()->shortened, sizeof(uint64_t));
     exec_.for_each("mark_moving", counts_.vertices,
-                   MarkMoving<Real>{scene_.start.data(), target, group_of(), ways.shares.data()});
+                   MarkMoving<Real>{&state()->round, scene_.start.data(), target, group_of(), ways.shares.data()});
     exec_.for_each("list_shortened", counts_.vertices,
                    ListShortened{group_of(), ways.fractions.data(), ways.shares.data(), first_of_group,
                                  {ways.shortened.all(), &state()->shortened}});

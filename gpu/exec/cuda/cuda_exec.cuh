@@ -24,6 +24,7 @@
 #include "gpu/exec/cuda/nvtx.cuh"
 #include "gpu/exec/cuda/reduce.cuh"
 #include "gpu/exec/cuda/resumable.cuh"
+#include "gpu/exec/cuda/side_streams.cuh"
 #include "gpu/exec/cuda/stage_events.cuh"
 #include "gpu/exec/cuda/staging.cuh"
 #include "gpu/exec/cuda/step_graph.cuh"
@@ -54,7 +55,7 @@ class CudaExec {
   CudaExec& operator=(const CudaExec&) = delete;
   ~CudaExec() {
     cudaSetDevice(device_);
-    for (cudaStream_t stream : {stream_, side_}) cudaStreamSynchronize(stream);
+    cudaStreamSynchronize(stream_);
     cudaEventDestroy(fork_);
     cudaEventDestroy(join_);
   }
@@ -249,24 +250,24 @@ class CudaExec {
       g();
       return;
     }
-    check_cuda(cudaEventRecord(fork_, stream_), "fork");
-    check_cuda(cudaStreamWaitEvent(side_, fork_), "fork");
+    const SideStreams::Fork side(*sides_);
+    check_cuda(cudaEventRecord(side->fork, stream_), "fork");
+    check_cuda(cudaStreamWaitEvent(side->stream, side->fork), "fork");
     StepGraph& graph = graphs_.recording();
     const size_t before = graph.stages();
     f();
     begin_now();
     const size_t first_of_g = graph.stages();
     {
-      const OnSideStream on_side(*this);
+      const ForNow<cudaStream_t> on_side(stream_, side->stream);
       g();
       begin_now();
-      if (graph.stages() > first_of_g) note_now(graph.end_stage(graph.stages() - 1));
-      check_cuda(cudaEventRecord(join_, stream_), "join");
+      if (graph.stages() > first_of_g) end_stage_now(graph.stages() - 1);
+      check_cuda(cudaEventRecord(side->join, stream_), "join");
     }
-    if (graph.stages() > first_of_g && first_of_g > before) note_now(graph.end_stage(first_of_g - 1));
-    check_cuda(cudaStreamWaitEvent(stream_, join_), "join");
+    if (graph.stages() > first_of_g && first_of_g > before) end_stage_now(first_of_g - 1);
+    check_cuda(cudaStreamWaitEvent(stream_, side->join), "join");
   }
-
   /// Where a step is recorded, the device decides whether to go on.
   template <class F>
   void repeat(const uint64_t* again, const F& f) {
@@ -277,9 +278,10 @@ class CudaExec {
       return;
     }
     begin_now();
-    if (loop_streams_ == nullptr) loop_streams_ = std::make_unique<CudaStream[]>(2);
-    record_loop(stream_, loop_streams_[0], again, [&] {
-      const ForNow<cudaStream_t> stream(stream_, loop_streams_[0]), side(side_, loop_streams_[1]);
+    if (loop_ == nullptr) loop_ = std::make_unique<Loop>();
+    record_loop(stream_, loop_->stream, again, [&] {
+      const ForNow<cudaStream_t> stream(stream_, loop_->stream);
+      const ForNow<SideStreams*> sides(sides_, &loop_->sides);
       f();
     });
   }
@@ -350,16 +352,10 @@ class CudaExec {
 
  private:
   static constexpr unsigned kBlock = 256;
-  /// While it lives, what is put in line goes to the side stream; also if it ends with a throw.
-  class OnSideStream {
-   public:
-    explicit OnSideStream(CudaExec& exec) : exec_(exec) { std::swap(exec_.stream_, exec_.side_); }
-    OnSideStream(const OnSideStream&) = delete;
-    OnSideStream& operator=(const OnSideStream&) = delete;
-    ~OnSideStream() { std::swap(exec_.stream_, exec_.side_); }
-
-   private:
-    CudaExec& exec_;
+  /// What recordings of loops are made on.
+  struct Loop {
+    CudaStream stream;
+    SideStreams sides;
   };
 
   /// Goes through a step for its memory alone.
@@ -386,6 +382,11 @@ class CudaExec {
     note_next(time);
     begin_now();
   }
+  /// Of a stage that is being recorded, unless a fork within it has done so.
+  void end_stage_now(size_t stage) {
+    StepGraph& graph = graphs_.recording();
+    if (!graph.has_end(stage)) note_now(graph.end_stage(stage));
+  }
 
   /// Calls a CUB function with the memory that it asks for.
   template <class Call>
@@ -405,9 +406,11 @@ class CudaExec {
   DeviceInfo info_;
   DeviceMemory memory_;
   CpuLoops loops_;
-  CudaStream streams_[2];  ///< which outlive all buffers
-  cudaStream_t stream_ = streams_[0], side_ = streams_[1];
-  std::unique_ptr<CudaStream[]> loop_streams_;  ///< that recordings of loops are made on
+  CudaStream own_stream_;  ///< which outlives all buffers
+  cudaStream_t stream_ = own_stream_;
+  SideStreams own_sides_;
+  SideStreams* sides_ = &own_sides_;
+  std::unique_ptr<Loop> loop_;
   cudaEvent_t fork_ = make_event(), join_ = make_event();
   uint64_t generation_ = 0;  ///< of the buffers: changes whenever one does
   StepGraphs graphs_;

@@ -67,6 +67,7 @@ class StepGraph {
     return stages_.back().begin;
   }
   size_t end_stage(size_t stage) { return stages_[stage].end = new_time(); }
+  bool has_end(size_t stage) const { return stages_[stage].end != kNoTime; }
   size_t stages() const { return stages_.size(); }
   size_t end() { return last_ = new_time(); }
 

@@ -81,7 +81,6 @@ class AdvanceModes : public OnBackend<::testing::Test> {
     }
   }
 
- private:
   static void expect_same(const StepScene& scene, const std::vector<Vec3d>& x, const std::vector<Vec3d>& p,
                           const StepResult& expected, AdvanceMode mode, const FrameResult& result) {
     double least = 1, gone = 0, all = 0;
@@ -137,7 +136,8 @@ TEST_F(AdvanceModes, AreTheSameForEachEngineAndInShards) {
       }
 }
 
-/// A column of triangles, each of which blocks the next one, so that islands stand in the end.
+/// A column of triangles, each of which blocks the next one, so that islands stand in the end; and beside it a triangle
+/// that goes half of its way.
 TEST_F(AdvanceModes, EndWithIslandsWhereNothingElseHelps) {
   StepScene scene;
   for (uint32_t i = 0; i < 130; ++i) {
@@ -146,10 +146,16 @@ TEST_F(AdvanceModes, EndWithIslandsWhereNothingElseHelps) {
     for (Vec3d& p : triangle) p = turn(p);
     scene.add(triangle, {{0, 1, 2}}, i == 0);
   }
+  const std::vector<Vec3d> apart{{8, 0, 0}, {9, 0, 0}, {8, 1, 0}};
+  scene.add(apart, {{0, 1, 2}}, true);
+  scene.add({plus(apart[0], {0.1, 0.2, 0.1}), plus(apart[1], {0, 0.2, 0.1}), plus(apart[2], {0.1, 0, 0.1})},
+            {{0, 1, 2}});
   std::vector<Vec3d> p = scene.positions;
-  for (size_t v = 3; v < p.size(); ++v) p[v][2] -= 0.5e-3;
+  for (size_t v = 3; v < p.size() - 6; ++v) p[v][2] -= 0.5e-3;
+  for (size_t v = p.size() - 3; v < p.size(); ++v) p[v][2] -= 0.2;
   const StepResult expected = SerialSteps<double>(scene, 1e-3, FractionOf::kMesh).advance(scene.positions, p);
   ASSERT_GT(expected.rounds, 96u) << "islands";
+  EXPECT_NEAR(expected.fractions.back(), 0.5, 0.01);
   SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
   spec.min_separation = 1e-3;
   const Case at_rest = case_of(scene, scene.positions, scene.positions), way = case_of(scene, scene.positions, p);
@@ -160,7 +166,7 @@ TEST_F(AdvanceModes, EndWithIslandsWhereNothingElseHelps) {
     const Frame frame(way, Mode::kDcd, Scalar::kF64, false);
     FrameInput input = frame.input();
     input.advance = true, input.advance_mode = AdvanceMode::kPerMesh;
-    detector->detect(input);
+    expect_same(scene, scene.positions, p, expected, AdvanceMode::kPerMesh, detector->detect(input));
     std::vector<std::byte> at(p.size() * position_bytes(Scalar::kF64));
     detector->read_positions({0, 1, p.size()}, at);
     EXPECT_EQ(at, pack(expected.y, Scalar::kF64));
