@@ -48,6 +48,7 @@ COLLIDED_LONG COLLIDED_HD CertifiedDistance certified_distance(const Differences
   const PreciseDirections<double, N> directions(d, 0.0);
   CertifiedDistance best;
   double most = 0;
+  COLLIDED_UNROLLED
   for (uint32_t k = 0; k < PreciseDirections<double, N>::kCount; ++k) {
     const Direction<double> direction = directions[k];
     const double bound = detail::certified_along(d.start, direction);

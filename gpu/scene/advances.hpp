@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -183,8 +184,7 @@ class Advances {
   }
   void sum_up(Shorten& shorten, AdvanceMode mode) {
     shorten.add_up(positions_.target());
-    if (mode != AdvanceMode::kAllOrOne)
-      shorten.list_shortened(positions_.target(), mode == AdvanceMode::kPerMesh);
+    if (mode != AdvanceMode::kAllOrOne) shorten.list_shortened(positions_.target(), mode == AdvanceMode::kPerMesh);
   }
 
   // What shards of a scene have to know of each other.
@@ -209,9 +209,11 @@ class Advances {
 
   /// By vertex, or by mesh.
   void tell_shortened(AdvanceMode mode, ShortenedWays& told) {
-    std::vector<ShortenedWay> listed(pipeline_.found().shortened);
-    if (listed.empty()) return;
-    exec_.download(listed.data(), ways_.shortened.data(), listed.size() * sizeof(ShortenedWay));
+    const uint64_t count = pipeline_.found().shortened, bytes = count * sizeof(ShortenedWay);
+    if (count == 0) return;
+    auto* const first = reinterpret_cast<ShortenedWay*>(exec_.host_memory(bytes));
+    const std::span<ShortenedWay> listed(first, count);
+    exec_.download(first, ways_.shortened.data(), bytes);
     std::sort(listed.begin(), listed.end(), [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
     for (const ShortenedWay& way : listed) {
       const uint32_t vertex = static_cast<uint32_t>(way.vertex);

@@ -91,9 +91,9 @@ class ShortenPhase {
   void propose() {
     side_by_side([&]<class Kind>(int k, const Kind& kind) {
       const Buffer<uint64_t, Exec>& failed = scene_.blocking[k].failed;
-      exec_.for_each("propose_shares", Counted{&state()->round.failed[k], failed.capacity()},
-                     ProposeShares<Real, Kind>{ways_of(kind), failed.all(), &state()->round.number,
-                                               scene_.ways.shares.data()});
+      exec_.for_each(
+          "propose_shares", Counted{&state()->round.failed[k], failed.capacity()},
+          ProposeShares<Real, Kind>{ways_of(kind), failed.all(), &state()->round.number, scene_.ways.shares.data()});
     });
   }
   /// Lets what stands take in what is connected to it. Returns the vertices that it took in.
@@ -134,7 +134,10 @@ class ShortenPhase {
     exec_.for_each("mark_moving", counts_.vertices,
                    MarkMoving<Real>{&state()->round, scene_.start.data(), target, group_of(), ways.shares.data()});
     exec_.for_each("list_shortened", counts_.vertices,
-                   ListShortened{group_of(), ways.fractions.data(), ways.shares.data(), first_of_group,
+                   ListShortened{group_of(),
+                                 ways.fractions.data(),
+                                 ways.shares.data(),
+                                 first_of_group,
                                  {ways.shortened.all(), &state()->shortened}});
   }
 
@@ -164,7 +167,9 @@ class ShortenPhase {
   void judge(const uint64_t* round) {
     side_by_side([&]<class Kind>(int k, const Kind& kind) {
       exec_.for_each("judge_pairs", pairs(k),
-                     JudgePairs<Real, Kind>{ways_of(kind), scene_.ways.changed_in.data(), round,
+                     JudgePairs<Real, Kind>{ways_of(kind),
+                                            scene_.ways.changed_in.data(),
+                                            round,
                                             {scene_.blocking[k].failed.all(), &state()->round.failed[k]}});
     });
   }

@@ -62,8 +62,7 @@ json measure(const BenchInput& input, const Options& o) {
   for (Side& side : sides) side.detector = Detector::create(spec_for(way, spec));
   const Frame first(way, Mode::kCcd, o.scalar), frame(way, Mode::kCcd, o.scalar, false);
   for (int i = -o.warm_up; i < o.rounds; ++i)
-    for (Side& side : sides)
-      side.play(i == -o.warm_up ? first.input() : frame.input(), i >= 0);
+    for (Side& side : sides) side.play(i == -o.warm_up ? first.input() : frame.input(), i >= 0);
   const double plain = median(sides[0].step_ms), plain_frame = median(sides[0].frame_ms);
   json out = {{"scene", input.name},
               {"triangles", sides[0].detector->topology().triangles.size()},
@@ -74,9 +73,9 @@ json measure(const BenchInput& input, const Options& o) {
               {"sides", json::object()}};
   for (const Side& side : sides) {
     json& told = out["sides"][side.name] = {{"step_ms", median(side.step_ms)},
-                                              {"ratio", median(side.step_ms) / plain},
-                                              {"frame_ms", median(side.frame_ms)},
-                                              {"frame_ratio", median(side.frame_ms) / plain_frame}};
+                                            {"ratio", median(side.step_ms) / plain},
+                                            {"frame_ms", median(side.frame_ms)},
+                                            {"frame_ratio", median(side.frame_ms) / plain_frame}};
     if (!side.advances) continue;
     told["advance_ms"] = median(side.advance_ms);
     told["advanced"] = side.last.advanced.value_or(1);
