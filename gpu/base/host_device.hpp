@@ -18,13 +18,6 @@
 #else
 #define COLLIDED_CALLED
 #endif
-/// Before a loop that a GPU runs without a branch: its rounds wait for the memory and for each other's results
-/// together.
-#ifdef __CUDACC__
-#define COLLIDED_UNROLLED _Pragma("unroll")
-#else
-#define COLLIDED_UNROLLED
-#endif
 /// The same on CPU cores, too: functions so long that a call costs them nothing.
 #define COLLIDED_LONG [[gnu::noinline]]
 

@@ -71,6 +71,14 @@ struct Group {
 #endif
     return value;
   }
+  /// Returns the least one, likewise.
+  COLLIDED_HD uint32_t least(uint32_t value) const {
+#ifdef __CUDA_ARCH__
+    if (size > 1)
+      for (int offset = 16; offset > 0; offset /= 2) value = min(value, __shfl_xor_sync(~0u, value, offset));
+#endif
+    return value;
+  }
 };
 
 /// An item of many parts for a group, whose threads share them (for_each_of_many_parts).

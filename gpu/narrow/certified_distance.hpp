@@ -43,16 +43,25 @@ COLLIDED_HD double certified_along(const Vec3<double> (&x)[N], const Direction<d
 }  // namespace detail
 
 /// Returns the best lower bound of the distance at t = 0. The features must stand still: start and end are the same.
+/// The threads of a team share the directions. All of them call, and each gets what one thread alone would.
 template <int N>
-COLLIDED_LONG COLLIDED_HD CertifiedDistance certified_distance(const Differences<double, N>& d) {
+COLLIDED_LONG COLLIDED_HD CertifiedDistance certified_distance(const Differences<double, N>& d,
+                                                               const Group& team = Group{0, 1}) {
+  constexpr uint32_t kNone = ~0u;
   const PreciseDirections<double, N> directions(d, 0.0);
   CertifiedDistance best;
   double most = 0;
-  COLLIDED_UNROLLED
-  for (uint32_t k = 0; k < PreciseDirections<double, N>::kCount; ++k) {
+  uint32_t first = kNone;
+  for (uint32_t k = team.rank; k < PreciseDirections<double, N>::kCount; k += team.size) {
     const Direction<double> direction = directions[k];
     const double bound = detail::certified_along(d.start, direction);
-    if (bound > most) most = bound, best.along = direction;
+    if (bound > most) most = bound, first = k, best.along = direction;
+  }
+  if (team.size > 1) {
+    const double of_all = team.most(most);
+    first = team.least(most == of_all ? first : kNone);
+    most = of_all;
+    if (first != kNone) best.along = directions[first];
   }
   best.value = detail::unscaled_below(most, d.scale);
   best.extent = d.extent / d.scale;
@@ -61,11 +70,11 @@ COLLIDED_LONG COLLIDED_HD CertifiedDistance certified_distance(const Differences
 
 /// The same of the features of a kind with these vertices, in the order of Kind::stencil.
 template <class Kind, class Real>
-COLLIDED_HD CertifiedDistance certified_distance(const Vec3<Real> (&p)[4]) {
+COLLIDED_HD CertifiedDistance certified_distance(const Vec3<Real> (&p)[4], const Group& team = Group{0, 1}) {
   FeaturePoints<Real> points;
   for (int i = 0; i < 4; ++i) points.start[i] = points.end[i] = p[i];
   DifferencesOf<double, Kind> d;
-  return load_differences<Kind, double>(points, d) ? certified_distance(d) : CertifiedDistance{};
+  return load_differences<Kind, double>(points, d) ? certified_distance(d, team) : CertifiedDistance{};
 }
 
 }  // namespace collided

@@ -58,9 +58,11 @@ struct CertifiedWay {
   double until;  ///< on [0, until) for certain
 };
 
-/// Returns for how long the features are farther apart than the distance, which is in the units of the positions.
+/// Returns for how long the features are farther apart than the distance, which is in the units of the positions. All
+/// threads of a team call.
 template <int N>
-COLLIDED_LONG COLLIDED_HD CertifiedWay certified_way(const Differences<double, N>& d, double distance) {
+COLLIDED_LONG COLLIDED_HD CertifiedWay certified_way(const Differences<double, N>& d, double distance,
+                                                     const Group& team = Group{0, 1}) {
   const double thickness = scaled_thickness<double>(distance, d.scale);
   if (normals_separate_all_along(d, thickness)) return {true, 1};
   const Tolerance<double> tolerance{{thickness, thickness}, default_delta(0.0) * d.extent};
@@ -70,7 +72,7 @@ COLLIDED_LONG COLLIDED_HD CertifiedWay certified_way(const Differences<double, N
   while (!search.is_over()) search.iterate(1.0);
   if (!search.is_hit()) return {true, 1};
   if (!may_be_near_miss(d, tolerance, search.time(), search.gap())) return {false, search.time()};
-  const NearMiss found = follow_near_miss(d, tolerance, search.time(), Group{0, 1});
+  const NearMiss found = follow_near_miss(d, tolerance, search.time(), team);
   return {!found.is_hit, found.t};
 }
 

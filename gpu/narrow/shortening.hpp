@@ -111,13 +111,13 @@ COLLIDED_HD void approaches_along(const Vec3<double>& n, const FeaturePoints<Rea
 
 /// Vertices that approach stop a little before the features come as near as they may.
 template <class Kind, class Real>
-COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloors& floors) {
+COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloors& floors, const Group& team) {
   constexpr double kKept = 1 - 0x1p-7;
   DifferencesOf<double, Kind> d;
   if (!load_differences<Kind, double>(way, d)) return Shares::all(0);
-  const double until = min(certified_way(d, floors.kept).until, 1.0);
-  Direction<double> direction = certified_distance(standing_at(d, until)).along;
-  if (!(direction.length > 0)) direction = certified_distance<Kind>(way.start).along;
+  const double until = min(certified_way(d, floors.kept, team).until, 1.0);
+  Direction<double> direction = certified_distance(standing_at(d, until), team).along;
+  if (!(direction.length > 0)) direction = certified_distance<Kind>(way.start, team).along;
   double towards[4];
   approaches_along<Kind>(direction.n, way, towards);
   const bool any_approaches = towards[0] > 0 || towards[1] > 0 || towards[2] > 0 || towards[3] > 0;
@@ -130,10 +130,10 @@ COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloo
 /// Both features stop at planes across the direction at the start, which share the room between them by how far each
 /// goes.
 template <class Kind, class Real>
-COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFloors& floors) {
+COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFloors& floors, const Group& team) {
   constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
   constexpr double kOfRoom = 0.9, kLess = 1 - 0x1p-20;
-  const CertifiedDistance start = certified_distance<Kind>(way.start);
+  const CertifiedDistance start = certified_distance<Kind>(way.start, team);
   if (!(start.along.length > 0)) return Shares::all(0);
   double towards[4], most[2] = {0, 0};
   approaches_along<Kind>((1 / start.along.length) * start.along.n, way, towards);
@@ -153,13 +153,14 @@ COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFl
 
 }  // namespace detail
 
-/// Returns what a pair proposes that does not keep its floors on the way from x to y.
+/// Returns what a pair proposes that does not keep its floors on the way from x to y. All threads of a team call, and
+/// get the same.
 template <class Kind, class Real>
 COLLIDED_LONG COLLIDED_HD Shares shares_of_failed(const FeaturePoints<Real>& way, const PairFloors& floors,
-                                                  Shortening how) {
+                                                  Shortening how, const Group& team = Group{0, 1}) {
   if (floors.is_tiny) return Shares::all(0);
-  if (how == Shortening::kTimes) return detail::shares_by_time<Kind>(way, floors);
-  if (how == Shortening::kPlanes) return detail::shares_by_planes<Kind>(way, floors);
+  if (how == Shortening::kTimes) return detail::shares_by_time<Kind>(way, floors, team);
+  if (how == Shortening::kPlanes) return detail::shares_by_planes<Kind>(way, floors, team);
   return Shares::all(0);
 }
 

@@ -147,20 +147,32 @@ struct JudgePairs {
   }
 };
 
-/// Leaves the least share that any failed pair proposes to a group.
+/// Leaves the least share that any failed pair proposes to a group. A GPU's warp works on one pair as long as there are
+/// few, else each of its threads on one.
 template <class Real, class Kind>
 struct ProposeShares {
+  using Shared = Nothing;
+  static constexpr uint32_t kGroupSize = 32, kGroupsOfProcessor = 32;
   WaysOfPairs<Real, Kind> ways;
   Span<const uint64_t> failed;
+  Counted count;
   const uint64_t* round;  ///< its number
   uint64_t* shares;
 
-  COLLIDED_HD void operator()(uint64_t i) const {
-    const uint64_t pair = failed[i];
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
+    constexpr uint64_t kFew = 4096;
+    const uint64_t pairs = count.size();
+    const bool in_team = pairs <= kFew;
+    const uint64_t k = in_team ? i : i * group.size + group.rank;
+    if (k < pairs) propose(failed[k], in_team ? group : Group{0, 1});
+  }
+
+ private:
+  COLLIDED_HD void propose(uint64_t pair, const Group& team) const {
     const Stencil s = ways.stencil(pair);
-    const Shortening how = shortening_of(*round);
-    const Shares proposed = shares_of_failed<Kind>(ways.way(s), ways.floors(pair, s), how);
-    for (int k = 0; k < 4; ++k)
+    const Shortening how = shortening_of(static_cast<uint32_t>(*round));
+    const Shares proposed = shares_of_failed<Kind>(ways.way(s), ways.floors(pair, s), how, team);
+    for (int k = 0; k < 4 && team.rank == 0; ++k)
       if (const uint32_t group = ways.group_of[s.v[k]]; group != kStands && proposed.of[k] < 1)
         atomic_min(shares[group], detail::bit_copy<uint64_t>(proposed.of[k]));
   }

@@ -91,9 +91,10 @@ class ShortenPhase {
   void propose() {
     side_by_side([&]<class Kind>(int k, const Kind& kind) {
       const Buffer<uint64_t, Exec>& failed = scene_.blocking[k].failed;
-      exec_.for_each(
-          "propose_shares", Counted{&state()->round.failed[k], failed.capacity()},
-          ProposeShares<Real, Kind>{ways_of(kind), failed.all(), &state()->round.number, scene_.ways.shares.data()});
+      const Counted count{&state()->round.failed[k], failed.capacity()};
+      exec_.for_each_group("propose_shares", count,
+                           ProposeShares<Real, Kind>{ways_of(kind), failed.all(), count, &state()->round.number,
+                                                     scene_.ways.shares.data()});
     });
   }
   /// Lets what stands take in what is connected to it. Returns the vertices that it took in.
