@@ -81,6 +81,16 @@ struct Group {
   }
 };
 
+/// Calls f(k, team) for what a group has of `count` items that each take long: as long as they are few, the group is a
+/// team on item i, else each of its threads works on one alone. The group is one thread, or a warp.
+template <class F>
+COLLIDED_HD void share_few(uint64_t i, const Group& group, uint64_t count, const F& f) {
+  constexpr uint64_t kFew = 4096;
+  if (count <= kFew) return f(i, group);
+  const uint64_t k = i * group.size + group.rank;
+  if (k < count) f(k, Group{0, 1});
+}
+
 /// An item of many parts for a group, whose threads share them (for_each_of_many_parts).
 template <class F>
 struct PartsOfItem {

@@ -241,11 +241,7 @@ struct FollowNearMisses {
   Counted pairs;
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
-    constexpr uint64_t kFew = 4096;
-    const uint64_t count = pairs.size();
-    const bool shares = count <= kFew;
-    const uint64_t pair = shares ? i : i * group.size + group.rank;
-    if (pair < count) follow(pair, shares ? group : Group{0, 1});
+    share_few(i, group, pairs.size(), [&](uint64_t pair, const Group& team) { follow(pair, team); });
   }
 
  private:

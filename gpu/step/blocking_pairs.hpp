@@ -160,11 +160,7 @@ struct ProposeShares {
   uint64_t* shares;
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Nothing&) const {
-    constexpr uint64_t kFew = 4096;
-    const uint64_t pairs = count.size();
-    const bool in_team = pairs <= kFew;
-    const uint64_t k = in_team ? i : i * group.size + group.rank;
-    if (k < pairs) propose(failed[k], in_team ? group : Group{0, 1});
+    share_few(i, group, count.size(), [&](uint64_t k, const Group& team) { propose(failed[k], team); });
   }
 
  private:
