@@ -73,10 +73,11 @@ class Advances {
     return result;
   }
   /// The rules depend on how far vertices go, which a step measures. It goes by those of the frame before, which seldom
-  /// change, and again by its own where they do.
+  /// change, and again by its own where they do; not by rules that might make it search more than twice as far.
   template <class Search>
   FrameResult by_rules(const Search& search) {
-    if (!measured_) measured_ = pipeline_.measure_ways();
+    const double most = 2 * model_.spec().min_separation;
+    if (!measured_ || rules(*measured_).reach() > most) measured_ = pipeline_.measure_ways();
     const WayRules guess = rules(*measured_);
     std::optional<FrameResult> result;
     try {

@@ -8,6 +8,7 @@
 #include "tests/gpu/refused_field.hpp"
 #include "tests/gpu/shards/one_and_shards.hpp"
 #include "tests/support/case.hpp"
+#include "tests/support/digest.hpp"
 
 namespace collided::test {
 namespace {
@@ -206,6 +207,41 @@ TEST_F(AdvanceModes, TellTheSameOverAndOver) {
       }
     }
   EXPECT_GT(with_rounds, 12u);
+}
+
+/// Floors follow from the scene's size and way in the frame, not from what they were in the one before.
+TEST_F(AdvanceModes, AreTheSameWhateverSizeTheSceneHadBefore) {
+  constexpr AdvanceMode kMode = AdvanceMode::kPerVertex;
+  Random random(7);
+  const StepScene scene = placed_scene(3, -6);
+  const std::vector<Vec3d> p = any_target<double>(scene, scene.positions, 1, random);
+  SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
+  for (const double m : {0.0, 1e-3}) {
+    spec.min_separation = m;
+    const auto scaled = [&](const std::vector<Vec3d>& positions, double scale) {
+      std::vector<Vec3d> out;
+      for (const Vec3d& v : positions) out.push_back(times(scale, v));
+      return out;
+    };
+    const auto played = [&](Detector& detector, double scale) {
+      const Case way = case_of(scene, scaled(scene.positions, scale), scaled(p, scale));
+      const Frame frame(way, Mode::kCcd, Scalar::kF64);
+      FrameInput input = frame.input();
+      input.advance = true, input.advance_mode = kMode;
+      return detector.detect(input);
+    };
+    const SceneSpec whole = spec_for(case_of(scene, scene.positions, p), spec);
+    const auto detector = Detector::create(whole);
+    for (const double scale : {1.0, 0x1p20, 1.0, 1.0, 0x1p-20, 0x1p30, 0x1p30, 1.0}) {
+      SCOPED_TRACE("scale " + std::to_string(scale) + ", m " + std::to_string(m));
+      const FrameResult expected = played(*Detector::create(whole), scale), result = played(*detector, scale);
+      EXPECT_EQ(result.advanced, expected.advanced);
+      EXPECT_EQ(result.way, expected.way);
+      EXPECT_EQ(result.shortened.ids, expected.shortened.ids);
+      EXPECT_EQ(result.shortened.fractions, expected.shortened.fractions);
+      EXPECT_EQ(digest(result), digest(expected));
+    }
+  }
 }
 
 TEST_F(AdvanceModes, NeedAFrameThatAdvances) {
