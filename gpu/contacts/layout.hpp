@@ -7,10 +7,13 @@
 namespace collided {
 
 /// An array for each ContactField in order, then that of the stencils.
-constexpr int kContactArrays = 7;
 COLLIDED_HD constexpr int index_of(ContactField field) { return static_cast<int>(field); }
-constexpr int kStencilArray = kContactArrays - 1;
-static_assert(index_of(ContactField::kFlags) + 1 == kStencilArray);
+constexpr int kStencilArray = [] {
+  int fields = 0;
+  for_each_field([&](ContactField, auto) { ++fields; }, PerField<detail::SizeOf>{});
+  return fields;
+}();
+constexpr int kContactArrays = kStencilArray + 1;
 
 /// Bytes of one contact in each array; 0: there is no such array.
 struct ContactWidths {

@@ -44,12 +44,14 @@ struct PlaceContact {
   COLLIDED_HD void operator()(uint64_t i) const {
     const Target to = target_of(i);
     if (to.place >= to.kind->count) return;
-    put(to, index_of(ContactField::kElements), columns.elements, i);
-    put(to, index_of(ContactField::kToi), columns.toi, i);
-    put(to, index_of(ContactField::kDistance), columns.distance, i);
-    put(to, index_of(ContactField::kWeights), columns.weights, i);
-    put(to, index_of(ContactField::kNormals), columns.normals, i);
-    put(to, index_of(ContactField::kFlags), columns.flags, i);
+    // All columns have a name here, or this does not compile.
+    const auto& [elements, toi, distance, weights, normals, flags] = static_cast<const PerField<Span>&>(columns);
+    put(to, index_of(ContactField::kElements), elements, i);
+    put(to, index_of(ContactField::kToi), toi, i);
+    put(to, index_of(ContactField::kDistance), distance, i);
+    put(to, index_of(ContactField::kWeights), weights, i);
+    put(to, index_of(ContactField::kNormals), normals, i);
+    put(to, index_of(ContactField::kFlags), flags, i);
     if (to.widths[kStencilArray] != 0) put_stencil(to, i);
   }
 

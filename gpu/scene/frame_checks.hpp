@@ -17,12 +17,12 @@ struct CheckedFrame {
   std::vector<std::string> unused;  ///< options of the scene, as unused_options() names them
 };
 
-/// Returns all that check_frame() depends on.
+/// Returns all that check_frame() depends on. Each member of a frame is named, or this does not compile.
 inline auto options_of(const FrameInput& frame) {
-  const ContactRoom& room = frame.room;
-  return std::tuple(frame.mode, frame.accuracy, frame.delta, frame.report, frame.ignore_separating, frame.advance,
-                    frame.advance_mode, frame.trial, frame.start_fraction, frame.edit != nullptr, frame.slot != nullptr,
-                    frame.stream != nullptr, room.memory.empty(),
+  const auto& [updates, slot, edit, mode, accuracy, delta, report, ignore_separating, advance, advance_mode, trial,
+               start_fraction, cancelled, progress, bytes_beside_contact, room, stream] = frame;
+  return std::tuple(mode, accuracy, delta, report, ignore_separating, advance, advance_mode, trial, start_fraction,
+                    edit != nullptr, slot != nullptr, stream != nullptr, room.memory.empty(),
                     reinterpret_cast<uintptr_t>(room.memory.data()) % ContactRoom::kAlignment);
 }
 

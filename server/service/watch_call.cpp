@@ -13,15 +13,18 @@ namespace {
 
 constexpr auto kLinger = std::chrono::seconds(10);  // for the last message if the client does not take it
 
-void keep_first(std::string* array, uint32_t count, uint32_t kept) { array->resize(array->size() / count * kept); }
-
+// Each field of bytes is an array.
 void truncate(pb::ContactChunk& chunk, uint32_t max) {
   const uint32_t count = chunk.count();
   if (count <= max) return;
-  for (std::string* array :
-       {chunk.mutable_elements(), chunk.mutable_stencils(), chunk.mutable_toi(), chunk.mutable_distance(),
-        chunk.mutable_weights(), chunk.mutable_normals(), chunk.mutable_flags()})
-    keep_first(array, count, max);
+  const google::protobuf::Descriptor& fields = *pb::ContactChunk::descriptor();
+  for (int i = 0; i < fields.field_count(); ++i) {
+    const google::protobuf::FieldDescriptor* field = fields.field(i);
+    if (field->type() != google::protobuf::FieldDescriptor::TYPE_BYTES) continue;
+    std::string array = chunk.GetReflection()->GetString(chunk, field);
+    array.resize(array.size() / count * max);
+    chunk.GetReflection()->SetString(&chunk, field, std::move(array));
+  }
   chunk.set_count(max);
 }
 
