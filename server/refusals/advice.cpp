@@ -41,8 +41,8 @@ int count_kinds(const PerKind<bool>& kinds) {
 }
 
 bool has_optional_fields(const FieldSet& fields) {
-  return fields.has(ContactField::kDistance) || fields.has(ContactField::kWeights) ||
-         fields.has(ContactField::kNormals);
+  const FieldSet always{ContactField::kElements, ContactField::kToi, ContactField::kFlags};
+  return (fields | always) != always;
 }
 
 bool touches_itself(const MeshSpec& mesh) {
