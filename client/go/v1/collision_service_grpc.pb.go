@@ -51,9 +51,11 @@ type CollisionServiceClient interface {
 	// RESOURCE_EXHAUSTED if the answer exceeds the message limit. DEADLINE_EXCEEDED and CANCELLED stop the work
 	// at the engine's next checkpoint.
 	DetectFrame(ctx context.Context, in *DetectFrameRequest, opts ...grpc.CallOption) (*DetectFrameResponse, error)
-	// One step of many scenes, those of one set or of several, in one message each way; only sets take it, and StreamFrames
-	// takes their frames, too. A frame that is refused, of one world or of a whole set, is told in the answer and harms no
-	// other. INVALID_ARGUMENT where the request itself is wrong, RESOURCE_EXHAUSTED.
+	// Deprecated: Do not use.
+	// Deprecated: StreamFrames takes the frames of sets too, in about half the time, and several streams serve several sets.
+	// One step of many scenes, those of one set or of several, in one message each way; only sets take it. A frame that is
+	// refused, of one world or of a whole set, is told in the answer and harms no other. INVALID_ARGUMENT where the request
+	// itself is wrong, RESOURCE_EXHAUSTED.
 	DetectBatch(ctx context.Context, in *DetectBatchRequest, opts ...grpc.CallOption) (*DetectBatchResponse, error)
 	// Frames in, contacts out, in frame order. The first request opens the stream. A bad frame is answered with an error, and
 	// the stream continues. A scene has one stream at a time. A broken stream is resumed by a new one with the scene's resume
@@ -198,6 +200,7 @@ func (c *collisionServiceClient) DetectFrame(ctx context.Context, in *DetectFram
 	return out, nil
 }
 
+// Deprecated: Do not use.
 func (c *collisionServiceClient) DetectBatch(ctx context.Context, in *DetectBatchRequest, opts ...grpc.CallOption) (*DetectBatchResponse, error) {
 	out := new(DetectBatchResponse)
 	err := c.cc.Invoke(ctx, "/collided.v1.CollisionService/DetectBatch", in, out, opts...)
@@ -308,9 +311,11 @@ type CollisionServiceServer interface {
 	// RESOURCE_EXHAUSTED if the answer exceeds the message limit. DEADLINE_EXCEEDED and CANCELLED stop the work
 	// at the engine's next checkpoint.
 	DetectFrame(context.Context, *DetectFrameRequest) (*DetectFrameResponse, error)
-	// One step of many scenes, those of one set or of several, in one message each way; only sets take it, and StreamFrames
-	// takes their frames, too. A frame that is refused, of one world or of a whole set, is told in the answer and harms no
-	// other. INVALID_ARGUMENT where the request itself is wrong, RESOURCE_EXHAUSTED.
+	// Deprecated: Do not use.
+	// Deprecated: StreamFrames takes the frames of sets too, in about half the time, and several streams serve several sets.
+	// One step of many scenes, those of one set or of several, in one message each way; only sets take it. A frame that is
+	// refused, of one world or of a whole set, is told in the answer and harms no other. INVALID_ARGUMENT where the request
+	// itself is wrong, RESOURCE_EXHAUSTED.
 	DetectBatch(context.Context, *DetectBatchRequest) (*DetectBatchResponse, error)
 	// Frames in, contacts out, in frame order. The first request opens the stream. A bad frame is answered with an error, and
 	// the stream continues. A scene has one stream at a time. A broken stream is resumed by a new one with the scene's resume

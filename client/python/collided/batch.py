@@ -92,8 +92,8 @@ class SceneBatch:
 
     meshes, server, lease_seconds, options: as of Scene; meshes are deformable or static, and the report is "all".
     count: 1 to 65,536.
-    transport: "shared_memory", "grpc", "calls" (DetectBatch, without a stream), or "auto": the first of these that the daemon
-        offers and grants.
+    transport: "shared_memory", "grpc", "calls" (deprecated: DetectBatch, without a stream, which takes about twice as long), or
+        "auto": the first of these that the daemon offers and grants.
     output_bytes: room for a step's contacts in shared memory; what has none comes over the socket, which is slower.
     daemon_user: as of Session.
 
