@@ -81,8 +81,8 @@ struct Group {
   }
 };
 
-/// Calls f(k, team) for what a group has of `count` items that each take long: as long as they are few, the group is a
-/// team on item i, else each of its threads works on one alone. The group is one thread, or a warp.
+/// Calls f(k, team) for a group's share of `count` items, each of which takes long. The group is one thread, or a warp.
+/// If items are few, the group works on item i as a team. Otherwise each of its threads takes an item of its own.
 template <class F>
 COLLIDED_HD void share_few(uint64_t i, const Group& group, uint64_t count, const F& f) {
   constexpr uint64_t kFew = 4096;

@@ -72,8 +72,9 @@ class Advances {
     result.replays += found.replays;
     return result;
   }
-  /// The rules depend on how far vertices go, which a step measures. It goes by those of the frame before, which seldom
-  /// change, and again by its own where they do; not by rules that might make it search more than twice as far.
+  /// Searches by the rules that follow from how far vertices go, which the step measures itself. It begins with the
+  /// last frame's measure, and searches again in the rare case that its own gives other rules. A guess that could make
+  /// it search more than twice as far as it must is not used.
   template <class Search>
   FrameResult by_rules(const Search& search) {
     const double most = 2 * model_.spec().min_separation;
@@ -208,7 +209,7 @@ class Advances {
     exec_.wait();
   }
 
-  /// By vertex, or by mesh.
+  /// Tells the fractions of vertices, or of meshes.
   void tell_shortened(AdvanceMode mode, ShortenedWays& told) {
     const uint64_t count = pipeline_.found().shortened, bytes = count * sizeof(ShortenedWay);
     if (count == 0) return;

@@ -81,8 +81,8 @@ class Pipeline {
   /// Returns what the step has found, with the rounds that were run since.
   const StepState& found() const { return run_.found(); }
   void look_at_rounds() { run_.found() = run_.peek(); }
-  /// Runs rounds(shorten) as a step of its own, in one piece if it can. After steps of equal plans, rounds of the same
-  /// `kind`, below 256, put the same work in line.
+  /// Runs rounds(shorten) as a step of its own, in one piece if it can. Rounds of one `kind` (below 256) put the same
+  /// work in line, after steps of equal plans.
   template <class Rounds>
   void shorten(uint64_t kind, const Rounds& rounds) {
     constexpr uint64_t kOfRounds = uint64_t{1} << 63;  // no number of a plan

@@ -120,7 +120,7 @@ class ShortenPhase {
     exec_.for_each("end_round", 1, EndRound{&state()->round});
   }
 
-  // After the last round.
+  // These follow the last round.
   /// Adds up what became of the ways to the target.
   void add_up(const Vec3<Real>* target) {
     exec_.reduce_into("gone", counts_.vertices,

@@ -268,7 +268,7 @@ class CudaExec {
     if (graph.stages() > first_of_g && first_of_g > before) end_stage_now(first_of_g - 1);
     check_cuda(cudaStreamWaitEvent(stream_, side->join), "join");
   }
-  /// Where a step is recorded, the device decides whether to go on.
+  /// In a recording this becomes a loop of the graph, which the device ends.
   template <class F>
   void repeat(const uint64_t* again, const F& f) {
     if (reserving_) return f();
@@ -352,7 +352,7 @@ class CudaExec {
 
  private:
   static constexpr unsigned kBlock = 256;
-  /// What recordings of loops are made on.
+  /// Holds the streams that loops are recorded on.
   struct Loop {
     CudaStream stream;
     SideStreams sides;
@@ -382,7 +382,7 @@ class CudaExec {
     note_next(time);
     begin_now();
   }
-  /// Of a stage that is being recorded, unless a fork within it has done so.
+  /// Notes the end of a recorded stage, unless a fork within it has done so.
   void end_stage_now(size_t stage) {
     StepGraph& graph = graphs_.recording();
     if (!graph.has_end(stage)) note_now(graph.end_stage(stage));

@@ -1,6 +1,6 @@
 #pragma once
-// A loop in a step that is being recorded: the device itself decides whether it goes on, and the host waits for none of
-// its rounds.
+// Records loops of a step. The device decides after each round whether another one follows, so the host waits only for
+// the last.
 
 #include <cuda_runtime.h>
 
@@ -8,7 +8,7 @@
 
 namespace collided {
 
-/// Older runtimes, and the drivers that are enough for them, have no loops in graphs.
+/// Tells whether graphs have loops. CUDA 12 runs with drivers that do not know them.
 constexpr bool kRecordsLoops = CUDART_VERSION >= 13000;
 
 #if CUDART_VERSION >= 13000

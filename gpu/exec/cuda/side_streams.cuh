@@ -1,6 +1,6 @@
 #pragma once
-// Streams beside the main one, on which recordings have what runs side by side. No work is ever in line on them
-// otherwise.
+// Holds the streams that recordings use beside the main one, for work that runs side by side. Nothing else is put in
+// line on them.
 
 #include <cuda_runtime.h>
 
@@ -19,8 +19,8 @@ class SideStreams {
     CudaEvent fork, join;
   };
 
-  /// While it lives, its side is taken. A fork within a fork has another side than all within the outermost one: on the
-  /// same stream one would wait for the other.
+  /// Takes a side as long as it lives. All forks within an outermost one take different sides, for work on one stream
+  /// would wait for the other's.
   class Fork {
    public:
     explicit Fork(SideStreams& sides) : sides_(sides), side_(sides.take()) {}
