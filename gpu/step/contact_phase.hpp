@@ -27,6 +27,7 @@ class ContactPhase {
   void detect_blocking(ShortenPhase<Exec, Real>& shorten) {
     part([&] { candidates_.search(needs_.kinds); });
     side_by_side([&](const auto& kind) { part([&] { shorten.screen(kind); }); });
+    shorten.reserve();  // a step by parts has made room for pairs since
     if (!needs_.tells_contacts) return shorten.judge_ways();
     context_.exec.concurrently([&] { detect_side_by_side(); }, [&] { shorten.judge_ways(); });
   }

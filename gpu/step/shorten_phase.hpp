@@ -70,7 +70,6 @@ class ShortenPhase {
   }
   /// Measures the distances that these start at, and judges them where all vertices go all of their ways.
   void judge_ways() {
-    reserve();  // a step by parts has made room for pairs since
     exec_.stage("advance", [&] {
       side_by_side([&]<class Kind>(int k, const Kind& kind) {
         exec_.for_each("measure_starts", pairs(k), MeasureStarts<Real, Kind>{ways_of(kind)});

@@ -244,6 +244,27 @@ TEST_F(AdvanceModes, AreTheSameWhateverSizeTheSceneHadBefore) {
   }
 }
 
+/// Also where the frame's lists turn out too short.
+TEST_F(AdvanceModes, TellTheContactsOfTheWholeWay) {
+  StepScene scene;
+  add(scene, sheet(60, 1, {0, 0, 0}));
+  add(scene, sheet(60, 1, {0.003, 0.004, 0.02}));
+  std::vector<Vec3d> p = scene.positions;
+  for (size_t v = p.size() / 2; v < p.size(); ++v)
+    p[v][2] -= 0.03 + 0.01 * std::sin(40 * p[v][0]) * std::cos(30 * p[v][1]);
+  SceneSpec spec = settings(Mode::kCcd, Accuracy::kCertified);
+  spec.min_separation = 1e-3;
+  const Frame frame(case_of(scene, scene.positions, p), Mode::kCcd, Scalar::kF64);
+  const auto contacts_of = [&](bool advances) {
+    FrameInput input = frame.input();
+    input.advance = advances;
+    if (advances) input.advance_mode = AdvanceMode::kPerVertex;
+    const FrameResult result = Detector::create(spec_for(case_of(scene, scene.positions, p), spec))->detect(input);
+    return std::pair(digest(result.vertex_triangle, 1), digest(result.edge_edge, 1));
+  };
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(contacts_of(true), contacts_of(false));
+}
+
 TEST_F(AdvanceModes, NeedAFrameThatAdvances) {
   const StepScene scene = any_scene(0, 0.1);
   const Case c = case_of(scene, scene.positions, scene.positions);
