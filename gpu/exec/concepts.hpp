@@ -229,8 +229,8 @@ concept RunsFrames = requires(Exec& exec, const Exec& same, const char* name, ui
   /// Two things within a step that do not depend on each other and may run side by side. The second may not use
   /// reduce_into, exclusive_scan or sort_pairs.
   { exec.concurrently(f, g) } -> std::same_as<void>;
-  /// Within a step: f() once, and again as long as it leaves a value other than 0 at `result` on the backend. f() has
-  /// no stages, and all that it puts in line is the same each time.
+  /// Within a step, runs f() once, and again as long as it leaves a value other than 0 at `result` on the backend. f()
+  /// must put the same work in line each time, and may have no stages.
   { exec.repeat(result, f) } -> std::same_as<void>;
   /// Of the frame, in the order that the stages ran. Waits.
   { exec.stage_times() } -> std::same_as<std::vector<StageTime>>;
@@ -287,7 +287,7 @@ concept Executor = OwnsMemory<Exec> && Copies<Exec> && RunsLoops<Exec> && Combin
   { exec.device() } -> std::convertible_to<DeviceInfo>;
   /// Whether a verb takes its time even where there is nothing to do.
   { Exec::kLaunchesCost } -> std::convertible_to<bool>;
-  /// Whether step() takes work that repeats.
+  /// Tells whether repeat() may be part of step().
   { Exec::kRecordsLoops } -> std::convertible_to<bool>;
 };
 

@@ -107,9 +107,10 @@ class SceneSet {
   std::unique_ptr<State> state_;
 };
 
-/// Deprecated: SceneSet::send() to each set, then receive() from each, takes about half the time. One step of each of
-/// several sets of one daemon, 1 to 64, each once, in one call on the connection of the first; outputs are in the same
-/// order, and a set that is refused harms no other. Throws Error where no frame was tried.
+/// Deprecated: SceneSet::send() to each set, then receive() from each, takes about half the time.
+///
+/// Steps several sets of one daemon, 1 to 64, each once, in one call on the connection of the first. Outputs are in the
+/// same order. A set that is refused harms no other. Throws Error where no frame was tried.
 std::vector<SetOutput> detect_batch(std::span<const SetStep> steps);
 
 }  // namespace collided::client

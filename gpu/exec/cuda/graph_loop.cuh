@@ -17,8 +17,8 @@ inline __global__ void set_condition_kernel(cudaGraphConditionalHandle goes_on, 
   cudaGraphSetConditional(goes_on, *again != 0 ? 1 : 0);
 }
 
-/// Records a loop on `stream`. body() puts a round in line on `inner`, which nothing else is in line on, and which is
-/// part of no recording. The loop goes on as long as a round leaves a value other than 0 at `again`.
+/// Records a loop on `stream`. body() puts one round in line on `inner`, an idle stream that is part of no recording.
+/// The loop goes on as long as a round leaves a value other than 0 at `again`.
 template <class F>
 void record_loop(cudaStream_t stream, cudaStream_t inner, const uint64_t* again, const F& body) {
   cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;

@@ -174,7 +174,7 @@ TEST_F(AdvanceModes, EndWithIslandsWhereNothingElseHelps) {
   }
 }
 
-/// As soon as no memory is allocated any more, a GPU goes through all rounds in one launch beside the step's own.
+/// Once a GPU allocates no more memory, it runs all rounds in one launch after that of the step.
 TEST_F(AdvanceModes, TellTheSameOverAndOver) {
   size_t with_rounds = 0;
   for (uint64_t seed = 41; seed <= 52; ++seed)
