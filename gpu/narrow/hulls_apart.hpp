@@ -47,7 +47,7 @@ COLLIDED_HD bool hulls_are_apart(const FeaturePoints<Real>& p, double distance) 
 
 /// The distance of hulls, of pairs that no fractions are to bring within `reach`. `largest`: coordinate of the pair.
 template <class Real>
-COLLIDED_HD DoubleOf<Real> hulls_distance(double reach, const DoubleOf<Real>& largest) {
+COLLIDED_HD DoubleOf<Real> hulls_distance(const DoubleOf<Real>& reach, const DoubleOf<Real>& largest) {
   return reach + PositionNoise<Real>::kOfFloor * largest;
 }
 
@@ -64,15 +64,15 @@ struct ScreenHulls {
   AppendList<uint64_t> survivors;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const FeaturePoints<Real> p = way(i);
-    if (!hulls_are_apart<Kind>(p, hulls_distance<Real>(reach(), largest_coordinate(p)))) survivors.push(candidates[i]);
+    const Stencil s = kind.stencil(candidates[i]);
+    const FeaturePoints<Real> p = points_of(s, start, target);
+    if (!hulls_are_apart<Kind>(p, hulls_distance<Real>(reach(s), largest_coordinate(p)))) survivors.push(candidates[i]);
   }
 
-  COLLIDED_HD FeaturePoints<Real> way(uint64_t i) const {
-    return points_of(kind.stencil(candidates[i]), start, target);
-  }
-  COLLIDED_HD double reach() const {
-    return max(ways_within, Deviations::widened(contacts_within, deviations.of_any_pair()));
+  COLLIDED_HD double reach(const Stencil& s) const {
+    if (!deviations.is_needed()) return max(ways_within, contacts_within);
+    return max(Deviations::widened(ways_within, deviations.of_parts().of_pair(s.v[0], s.v[3])),
+               Deviations::widened(contacts_within, deviations.of_any_pair()));
   }
 };
 

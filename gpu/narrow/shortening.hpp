@@ -10,7 +10,7 @@
 // sides stop at a plane, then failed pairs stand still, and at last all that is connected to them stands still. A pair
 // that has passed is looked at again when a fraction of its vertices changes.
 
-#include "gpu/narrow/certified_way.hpp"
+#include "gpu/narrow/bent_ways.hpp"
 #include "gpu/narrow/floors.hpp"
 #include "gpu/narrow/tiny_pairs.hpp"
 
@@ -60,13 +60,15 @@ COLLIDED_HD bool stands_still(const FeaturePoints<Real>& way) {
   return true;
 }
 
-/// What keeps_floors() says at a glance: in float, along one direction. It is enough for most pairs.
+/// What keeps_floors() says at a glance: in float, along one direction. It is enough for most pairs. `off`: how far the
+/// way may be off its straight line.
 template <class Kind, class Real>
-COLLIDED_HD bool keeps_floors_at_a_glance(const FeaturePoints<Real>& way, const PairFloors& floors) {
+COLLIDED_HD bool keeps_floors_at_a_glance(const FeaturePoints<Real>& way, const PairFloors& floors, double off) {
   DifferencesOf<float, Kind> d;
   if (!load_differences<Kind, float>(way, d)) return false;
   const Direction<float> direction = direction_of(gap_at(d, 0.5f).vector);
-  const float on_the_way = offset_along(direction, scaled_thickness<float>(floors.way, d.scale));
+  const float on_the_way =
+      offset_along(direction, scaled_thickness<float>(Deviations::widened(floors.way, off), d.scale));
   const float at_end = offset_along(direction, scaled_thickness<float>(floors.end, d.scale));
   bool is_above = direction.length > 0;
   for (int k = 0; k < DifferenceOf<Kind>::kCount; ++k)
@@ -75,18 +77,22 @@ COLLIDED_HD bool keeps_floors_at_a_glance(const FeaturePoints<Real>& way, const 
   return is_above;
 }
 
-/// True if a pair keeps its floors on the straight way from x to y, for certain.
+/// True if a pair keeps its floors on the way from x to y, for certain. The way is straight but for meshes that turn.
 template <class Kind, class Real>
-COLLIDED_LONG COLLIDED_HD bool keeps_floors(const FeaturePoints<Real>& way, const PairFloors& floors) {
-  if (stands_still(way)) return true;
+COLLIDED_LONG COLLIDED_HD bool keeps_floors(const FeaturePoints<Real>& way, const PairFloors& floors,
+                                            const PairTurn& turn = {}) {
+  if (turn.is_straight() && stands_still(way)) return true;
+  if (floors.is_tiny && !turn.is_straight()) return false;
   if (floors.is_tiny) {
     const CertifiedDistance start = certified_distance<Kind>(way.start);
     return start.value > 0 && comes_no_nearer_along<Kind>(start.along.n, way);
   }
-  if (keeps_floors_at_a_glance<Kind>(way, floors)) return true;
+  if (keeps_floors_at_a_glance<Kind>(way, floors, turn.off())) return true;
   if (!(certified_distance<Kind>(way.end).value >= floors.end)) return false;
   DifferencesOf<double, Kind> d;
-  return load_differences<Kind, double>(way, d) && certified_way(d, floors.way).is_free;
+  if (!load_differences<Kind, double>(way, d)) return false;
+  const auto bent = bent_way(d, turn);
+  return certified_way(bent.d, Deviations::widened(floors.way, bent.off)).is_free;
 }
 
 /// The shares of its vertices' ways that a failed pair proposes, each from 0 to 1. At least one vertex that moves gets
@@ -99,24 +105,50 @@ struct Shares {
 
 namespace detail {
 
+template <class Kind>
+COLLIDED_HD bool is_of_first(int i) {
+  return i < (DifferenceOf<Kind>::kCount == 3 ? 1 : 2);
+}
+
 /// How far each vertex goes towards the other feature along n, which points to the first feature's side.
 template <class Kind, class Real>
 COLLIDED_HD void approaches_along(const Vec3<double>& n, const FeaturePoints<Real>& way, double (&towards)[4]) {
-  constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
   for (int i = 0; i < 4; ++i) {
     const double along = dot(n, convert<double>(way.end[i]) - convert<double>(way.start[i]));
-    towards[i] = i < kFirst ? -along : along;
+    towards[i] = is_of_first<Kind>(i) ? -along : along;
   }
 }
 
-/// Vertices that approach stop a little before the features come as near as they may.
+/// How far off its straight line a way may be, so that a pair has its floor that comes as near as holds_on_way() says.
+COLLIDED_HD inline double room_to_bend(const PairFloors& floors) { return (1 - FloorRules::kOfWay) / 2 * floors.kept; }
+COLLIDED_HD inline double holds_on_way(const PairFloors& floors) { return floors.way + room_to_bend(floors); }
+
+/// The share of a turn that bends by no more than there is room for: a part of a turn is off by the square of its
+/// share.
+COLLIDED_HD inline double share_to_bend(double off, const PairFloors& floors) {
+  const double room = room_to_bend(floors);
+  return off > room ? square_root(room / off) : 1;
+}
+
+/// Leaves meshes that turn no more than `share`.
+template <class Kind>
+COLLIDED_HD void shorten_turns(const PairTurn& turn, double share, Shares& shares) {
+  for (int i = 0; i < 4; ++i)
+    if ((is_of_first<Kind>(i) ? turn.first : turn.second) != nullptr) shares.of[i] = min(shares.of[i], share);
+}
+
+/// Vertices that approach stop a little before the features come as near as they may. Meshes that turn by too much to
+/// tell turn by less.
 template <class Kind, class Real>
-COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloors& floors, const Group& team) {
+COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloors& floors, const PairTurn& turn,
+                                  const Group& team) {
   constexpr double kKept = 1 - 0x1p-7;
-  DifferencesOf<double, Kind> d;
-  if (!load_differences<Kind, double>(way, d)) return Shares::all(0);
-  const double until = min(certified_way(d, floors.kept, team).until, 1.0);
-  Direction<double> direction = certified_distance(standing_at(d, until), team).along;
+  DifferencesOf<double, Kind> straight;
+  if (!load_differences<Kind, double>(way, straight)) return Shares::all(0);
+  const auto bent = bent_way(straight, turn);
+  const bool only_bends = bent.off > 0 && certified_distance<Kind>(way.end, team).value >= floors.end;
+  const double until = min(certified_way(bent.d, only_bends ? holds_on_way(floors) : floors.kept, team).until, 1.0);
+  Direction<double> direction = certified_distance(standing_at(straight, until), team).along;
   if (!(direction.length > 0)) direction = certified_distance<Kind>(way.start, team).along;
   double towards[4];
   approaches_along<Kind>(direction.n, way, towards);
@@ -124,30 +156,38 @@ COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloo
   Shares shares = Shares::all(1);
   for (int i = 0; i < 4; ++i)
     if (towards[i] > 0 || !any_approaches) shares.of[i] = kKept * until;
+  if (const double less = share_to_bend(bent.off, floors); less < 1) {
+    const double free = certified_way(bent.d, Deviations::widened(floors.way, bent.off), team).until;
+    shorten_turns<Kind>(turn, kKept * max(less, min(free, 1.0)), shares);
+  }
   return shares;
 }
 
 /// Both features stop at planes across the direction at the start, which share the room between them by how far each
-/// goes.
+/// goes. Meshes that turn by too much to tell turn by less.
 template <class Kind, class Real>
-COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFloors& floors, const Group& team) {
-  constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFloors& floors, const PairTurn& turn,
+                                    const Group& team) {
   constexpr double kOfRoom = 0.9, kLess = 1 - 0x1p-20;
   const CertifiedDistance start = certified_distance<Kind>(way.start, team);
   if (!(start.along.length > 0)) return Shares::all(0);
   double towards[4], most[2] = {0, 0};
   approaches_along<Kind>((1 / start.along.length) * start.along.n, way, towards);
-  for (int i = 0; i < 4; ++i) most[i < kFirst ? 0 : 1] = max(most[i < kFirst ? 0 : 1], towards[i]);
+  for (int i = 0; i < 4; ++i) {
+    double& of_feature = most[is_of_first<Kind>(i) ? 0 : 1];
+    of_feature = max(of_feature, towards[i]);
+  }
   // What the floor leaves, less than rounding takes: of y, and of its distance.
   const double room = kOfRoom * max(start.value - floors.end - 0.75 * floors.noise, 0.0);
   Shares shares = Shares::all(1);
-  bool any_shortened = false;
   for (int i = 0; i < 4; ++i) {
-    const double own = most[0] + most[1] > 0 ? room * (most[i < kFirst ? 0 : 1] / (most[0] + most[1])) : 0;
-    if (!(towards[i] > own)) continue;
-    shares.of[i] = own / towards[i] * kLess;
-    any_shortened = true;
+    const double own = most[0] + most[1] > 0 ? room * (most[is_of_first<Kind>(i) ? 0 : 1] / (most[0] + most[1])) : 0;
+    if (towards[i] > own) shares.of[i] = own / towards[i] * kLess;
   }
+  DifferencesOf<double, Kind> straight;
+  if (!turn.is_straight() && load_differences<Kind, double>(way, straight))
+    shorten_turns<Kind>(turn, share_to_bend(bent_way(straight, turn).off, floors), shares);
+  const bool any_shortened = shares.of[0] < 1 || shares.of[1] < 1 || shares.of[2] < 1 || shares.of[3] < 1;
   return any_shortened ? shares : Shares::all(0);
 }
 
@@ -157,10 +197,11 @@ COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFl
 /// get the same.
 template <class Kind, class Real>
 COLLIDED_LONG COLLIDED_HD Shares shares_of_failed(const FeaturePoints<Real>& way, const PairFloors& floors,
-                                                  Shortening how, const Group& team = Group{0, 1}) {
+                                                  Shortening how, const PairTurn& turn = {},
+                                                  const Group& team = Group{0, 1}) {
   if (floors.is_tiny) return Shares::all(0);
-  if (how == Shortening::kTimes) return detail::shares_by_time<Kind>(way, floors, team);
-  if (how == Shortening::kPlanes) return detail::shares_by_planes<Kind>(way, floors, team);
+  if (how == Shortening::kTimes) return detail::shares_by_time<Kind>(way, floors, turn, team);
+  if (how == Shortening::kPlanes) return detail::shares_by_planes<Kind>(way, floors, turn, team);
   return Shares::all(0);
 }
 

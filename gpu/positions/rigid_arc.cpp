@@ -92,12 +92,16 @@ double largest_of_corners(const Box<double>& box, const Size& size) {
 // positive, so that its own roundings are relative: 2^-44 covers them.
 //
 // In units in which the largest coordinate is near 1, so that squares neither overflow nor underflow.
-double scaled_deviation(const Pose& from, const Pose& to, const Box<double>& rest, double unit) {
+struct Deviation {
+  double all, rounding;  ///< the latter is part of the former
+  double chord;          ///< of any vertex, between the true motion's ends
+  double defect;
+};
+Deviation scaled_deviation(const Pose& from, const Pose& to, const Box<double>& rest, double unit) {
   const Turn turn(from, to);
   const double far = largest_of_corners(rest, length);
-  const double reach = largest_of_corners(rest, [&](const Vec& p) {
-    return std::max(length(at(from, p)), length(at(to, p)));
-  });
+  const double reach =
+      largest_of_corners(rest, [&](const Vec& p) { return std::max(length(at(from, p)), length(at(to, p))); });
   const double defect = std::max(rotation_defect(from), rotation_defect(to)) + 0x1p-48;
   const double middle = turn.sine_of_half(), sine = std::min(1.0, middle + defect);
   const double bend = sine / (2 * (1 + std::sqrt((1 - sine) * (1 + sine))));
@@ -112,7 +116,24 @@ double scaled_deviation(const Pose& from, const Pose& to, const Box<double>& res
   }
   const double chord = largest_of_corners(rest, [&](const Vec& p) { return length(turn.of(p) + across); });
   const double arc = bend * (chord + 2 * defect * far + lost * length(slide));
-  return (arc + 2 * defect * far + (unit + 8 * kUnit) * reach) * (1 + 0x1p-44);
+  const double rounding = 2 * defect * far + (unit + 8 * kUnit) * reach;
+  const double moved = largest_of_corners(rest, [&](const Vec& p) { return length(turn.of(p) + slide); });
+  return {(arc + rounding) * (1 + 0x1p-44), rounding * (1 + 0x1p-44), moved + rounding, defect};
+}
+
+/// scaled_deviation() in the units of the positions.
+template <class Real>
+Deviation deviation_between(const Pose& from, const Pose& to, const Box<double>& rest) {
+  const double scale = unit_scale(std::max({largest_component(rest.lo), largest_component(rest.hi),
+                                            largest_component(translation(from)), largest_component(translation(to))}));
+  const auto scaled = [&](Pose pose) {
+    for (size_t i = 3; i < pose.rows.size(); i += 4) pose.rows[i] *= scale;
+    return pose;
+  };
+  const Deviation found =
+      scaled_deviation(scaled(from), scaled(to), {scale * rest.lo, scale * rest.hi}, Precision<Real>::kUnit);
+  constexpr double kLost = 8 * std::numeric_limits<Real>::denorm_min();  // by subnormal positions
+  return {found.all / scale + kLost, found.rounding / scale + kLost, found.chord / scale + kLost, found.defect};
 }
 
 }  // namespace
@@ -127,20 +148,28 @@ double largest_coordinate(const Pose& pose, const Box<double>& rest) {
 
 template <class Real>
 double arc_deviation(const Pose& from, const Pose& to, const Box<double>& rest) {
-  if (from.has_rotation_of(to)) return 0;
-  const double scale = unit_scale(std::max({largest_component(rest.lo), largest_component(rest.hi),
-                                            largest_component(translation(from)), largest_component(translation(to))}));
-  const auto scaled = [&](Pose pose) {
-    for (size_t i = 3; i < pose.rows.size(); i += 4) pose.rows[i] *= scale;
-    return pose;
-  };
-  const double deviation =
-      scaled_deviation(scaled(from), scaled(to), {scale * rest.lo, scale * rest.hi}, Precision<Real>::kUnit);
-  constexpr double kLeast = std::numeric_limits<Real>::denorm_min();  // of which subnormal positions lose a few
-  return deviation / scale + 8 * kLeast;
+  return from.has_rotation_of(to) ? 0 : deviation_between<Real>(from, to, rest).all;
+}
+
+// A vertex goes along its screw at an even speed. Its path is no longer than its chord times (a/2) / sin(a/2), which is
+// below 1.05 for a up to 1; nothing asks for the speed of what turns by more (narrow/bent_ways.hpp).
+template <class Real>
+MeshTurn mesh_turn(const Pose& from, const Pose& to, const Box<double>& rest) {
+  if (from.has_rotation_of(to)) return {};
+  const Deviation found = deviation_between<Real>(from, to, rest);
+  MeshTurn turn{found.all, found.rounding, 1.05 * found.chord, found.defect, half_turn(from, to), {}};
+  for (int i = 0; i < 3; ++i) {
+    const auto entry = [&](int j) {
+      return from.r(i, 0) * to.r(j, 0) + from.r(i, 1) * to.r(j, 1) + from.r(i, 2) * to.r(j, 2);
+    };
+    turn.back[i] = {entry(0), entry(1), entry(2)};
+  }
+  return turn;
 }
 
 template double arc_deviation<float>(const Pose&, const Pose&, const Box<double>&);
 template double arc_deviation<double>(const Pose&, const Pose&, const Box<double>&);
+template MeshTurn mesh_turn<float>(const Pose&, const Pose&, const Box<double>&);
+template MeshTurn mesh_turn<double>(const Pose&, const Pose&, const Box<double>&);
 
 }  // namespace collided

@@ -3,6 +3,7 @@
 // along it. A step's paths are straight. This bounds the distance between the two, for all vertices and at all times.
 
 #include "gpu/base/box.hpp"
+#include "gpu/base/mesh_turns.hpp"
 #include "gpu/positions/pose.hpp"
 
 namespace collided {
@@ -15,6 +16,10 @@ double angle_between(const Pose& from, const Pose& to);
 /// both poses: straight paths between the posed positions are then the motion itself. The source has the derivation.
 template <class Real>
 double arc_deviation(const Pose& from, const Pose& to, const Box<double>& rest);
+
+/// How a mesh turns from one pose to the other, with the same bounds.
+template <class Real>
+MeshTurn mesh_turn(const Pose& from, const Pose& to, const Box<double>& rest);
 
 /// Largest magnitude of a coordinate that a pose can give to positions in `rest`, rounded up.
 double largest_coordinate(const Pose& pose, const Box<double>& rest);

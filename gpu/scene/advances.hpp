@@ -38,6 +38,7 @@ class Advances {
     exec_.stage("advance", [&] {
       require_neighbours();
       require_groups(frame.advance_mode);
+      positions_.tell_turns();
     });
     StageRange own_search;
     FrameResult result = find_pairs(boxes_static, frame, settings, own_search);

@@ -110,6 +110,8 @@ class ResidentPositions {
                                    scene_.ways.fractions.data(), scene_.end.data()});
   }
   bool has_rigid() const { return rigid_.has_any(); }
+  /// Tells the backend how rigid meshes turn on the whole way.
+  void tell_turns() { rigid_.tell_turns(); }
   /// The same of rigid meshes, by their poses.
   void go_rigid() {
     if (!has_rigid()) return;

@@ -12,7 +12,6 @@
 
 #include "gpu/base/text.hpp"
 #include "gpu/boxes/boxes.hpp"
-#include "gpu/positions/blend.hpp"
 #include "gpu/positions/checks.hpp"
 #include "gpu/positions/rigid_arc.hpp"
 #include "gpu/positions/slot.hpp"
@@ -49,6 +48,7 @@ class RigidMeshes {
     std::vector<RigidBody> bodies;
     uint64_t rest_count = 0;
     std::vector<double> deviations;  ///< those on the backend
+    bool tells_turns = false;        ///< the backend knows of meshes that turn
   };
 
   /// Beyond this the shorter way round could be meant, or the longer.
@@ -91,7 +91,7 @@ class RigidMeshes {
   /// positions at the start go, too.
   void begin(const std::optional<double>& start_fraction) {
     for (RigidBody& body : bodies()) {
-      body.start = start_fraction ? along(body.start, body.end, *start_fraction) : body.good;
+      body.start = start_fraction ? pose_along(body.start, body.end, *start_fraction) : body.good;
       body.end = body.target = body.start;
       if (!start_fraction) continue;
       transform(body, body.start, scene_.start.data());
@@ -111,16 +111,29 @@ class RigidMeshes {
   }
 
   bool has_any() const { return !state_.bodies.empty(); }
-  /// So far along the step's way, on which no mesh turns: where the pose is, so are the positions. `fractions`: of each
-  /// mesh, by its first vertex.
+  /// So far along the step's way: where the pose is, so are the positions. `fractions`: of each mesh, by its first
+  /// vertex.
   void go(std::span<const double> fractions) {
     for (RigidBody& body : bodies()) {
-      body.end = along(body.start, body.target, fractions[body.first_vertex]);
+      body.end = pose_along(body.start, body.target, fractions[body.first_vertex]);
       transform(body, body.end, scene_.end.data());
     }
+    tell_turns();
   }
-  /// Returns a distance that vertices on the step's way are within of the straight lines between its ends' positions,
-  /// besides what the last rounding to Real explains.
+  /// Tells the backend how meshes turn on the way from `start` to `end`. As long as none has turned, it is told
+  /// nothing.
+  void tell_turns() {
+    const bool none_turns = !turning();
+    if (none_turns && !state_.tells_turns) return;
+    std::vector<MeshTurn> turns(shape_.spec.meshes.size());
+    for (const RigidBody& body : bodies()) turns[body.mesh] = mesh_turn<Real>(body.start, body.end, body.rest);
+    scene_.rigid.turns.allocate(turns.size());
+    exec_.upload(scene_.rigid.turns.data(), turns.data(), turns.size() * sizeof(MeshTurn));
+    exec_.wait();
+    state_.tells_turns = !none_turns;
+  }
+  /// Returns a distance that vertices of meshes that do not turn are within of the straight lines between the positions
+  /// at the ends of the step's way, besides what the last rounding to Real explains.
   double off_straight() const {
     double off = 0;
     for (const RigidBody& body : state_.bodies) {
@@ -160,13 +173,6 @@ class RigidMeshes {
                             [](const RigidBody& body, uint32_t wanted) { return body.mesh < wanted; });
   }
   Vec3<Real>* rest_of(const RigidBody& body) const { return scene_.rigid.rest.data() + body.first_rest; }
-  /// Of a mesh that does not turn.
-  static Pose along(const Pose& start, const Pose& end, double fraction) {
-    Pose pose = end;
-    for (size_t i = 3; i < pose.rows.size(); i += 4) pose.rows[i] = blend(start.rows[i], end.rows[i], fraction);
-    return pose;
-  }
-
   /// Of the meshes that have their first positions in this frame.
   void keep_rest() {
     const auto is_placed = [](const RigidBody& body) { return body.is_placed; };

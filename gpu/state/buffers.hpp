@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "gpu/base/mesh_turns.hpp"
 #include "gpu/boxes/measure.hpp"
 #include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/order.hpp"
@@ -155,12 +156,17 @@ struct ContactBuffers {
 template <Executor Exec, class Real>
 struct RigidBuffers {
   explicit RigidBuffers(Exec& exec)
-      : rest(exec, "rigid"), bounds(exec, "rigid"), first_vertex(exec, "rigid"), deviations(exec, "rigid") {}
+      : rest(exec, "rigid"),
+        bounds(exec, "rigid"),
+        first_vertex(exec, "rigid"),
+        deviations(exec, "rigid"),
+        turns(exec, "rigid") {}
 
   Buffer<Vec3<Real>, Exec> rest;        ///< the positions that are transformed, of one mesh after the other
   Buffer<Box<Real>, Exec> bounds;       ///< of each mesh's
   Buffer<uint32_t, Exec> first_vertex;  ///< of every mesh of the scene; CCD only
   Buffer<double, Exec> deviations;      ///< likewise (Deviations)
+  Buffer<MeshTurn, Exec> turns;         ///< likewise, on the ways that meshes go; of frames that advance
 };
 
 /// Of a set of worlds.
@@ -304,6 +310,12 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
     if (!is_ccd) return {};
     const RigidBuffers<Exec, Real>& rigid = this->rigid;
     return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
+  }
+  /// Of the part of the step's ways that the meshes go.
+  MeshTurns turns() const {
+    const RigidBuffers<Exec, Real>& rigid = this->rigid;
+    const uint64_t meshes = rigid.turns.capacity() > 0 ? rigid.first_vertex.capacity() : 0;
+    return {rigid.first_vertex.data(), rigid.turns.data(), static_cast<uint32_t>(meshes)};
   }
 
  private:

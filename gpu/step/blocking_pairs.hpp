@@ -53,13 +53,14 @@ struct PairStars {
   }
 };
 
-/// True if a pair may go the straight way from x to y, for certain. A tiny pair may as well move as one, come nearer as
-/// long as integers decide that it does not touch, or touch at the start and part.
+/// True if a pair may go the way from x to y, for certain. A tiny pair whose way is straight may as well move as one,
+/// come nearer as long as integers decide that it does not touch, or touch at the start and part.
 template <class Kind, class Real>
-COLLIDED_LONG COLLIDED_HD bool is_way_free(const PairStars<Kind, Real>& stars, const PairFloors& floors) {
+COLLIDED_LONG COLLIDED_HD bool is_way_free(const PairStars<Kind, Real>& stars, const PairFloors& floors,
+                                           const PairTurn& turn = {}) {
   const FeaturePoints<Real> way = points_of(stars.s, stars.start, stars.end);
-  if (keeps_floors<Kind>(way, floors)) return true;
-  if (!floors.is_tiny) return false;
+  if (keeps_floors<Kind>(way, floors, turn)) return true;
+  if (!floors.is_tiny || !turn.is_straight()) return false;
   if (moves_as_one(way)) return true;
   Vec3<double> from[4], to[4];
   for (int k = 0; k < 4; ++k) from[k] = convert<double>(way.start[k]), to[k] = convert<double>(way.end[k]);
@@ -80,10 +81,12 @@ struct WaysOfPairs {
   VertexRings joined;  ///< by one edge
   const uint32_t* group_of;
   uint64_t* clearances;
+  MeshTurns turns;
 
   COLLIDED_HD Stencil stencil(uint64_t pair) const { return kind.stencil(pairs[pair]); }
   COLLIDED_HD FeaturePoints<Real> way(const Stencil& s) const { return points_of(s, start, end); }
   COLLIDED_HD PairStars<Kind, Real> stars(const Stencil& s) const { return {s, joined, start, end}; }
+  COLLIDED_HD PairTurn turn(const Stencil& s) const { return {turns.of(s.v[0]), turns.of(s.v[3])}; }
   COLLIDED_HD PairFloors floors(uint64_t pair, const Stencil& s) const {
     uint64_t least = detail::bit_copy<uint64_t>(HUGE_VAL);
     for (const uint32_t v : s.v)
@@ -128,7 +131,7 @@ struct JudgePairs {
   COLLIDED_HD void operator()(uint64_t pair) const {
     const Stencil s = ways.stencil(pair);
     if (round != nullptr && !has_changed(pair, s)) return;
-    if (!is_way_free(ways.stars(s), ways.floors(pair, s))) failed.push(pair);
+    if (!is_way_free(ways.stars(s), ways.floors(pair, s), ways.turn(s))) failed.push(pair);
   }
 
  private:
@@ -167,7 +170,7 @@ struct ProposeShares {
   COLLIDED_HD void propose(uint64_t pair, const Group& team) const {
     const Stencil s = ways.stencil(pair);
     const Shortening how = shortening_of(static_cast<uint32_t>(*round));
-    const Shares proposed = shares_of_failed<Kind>(ways.way(s), ways.floors(pair, s), how, team);
+    const Shares proposed = shares_of_failed<Kind>(ways.way(s), ways.floors(pair, s), how, ways.turn(s), team);
     for (int k = 0; k < 4 && team.rank == 0; ++k)
       if (const uint32_t group = ways.group_of[s.v[k]]; group != kStands && proposed.of[k] < 1)
         atomic_min(shares[group], detail::bit_copy<uint64_t>(proposed.of[k]));

@@ -34,9 +34,9 @@ class BoxPhase {
     for (const TriangleRun& run : runs(all))
       context_.exec.for_each_group(
           "box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
-          Work{motion(), scene.deviations(needs_.is_ccd()), scene.topology.corners(), scene.topology.sides(),
-               scene.topology.owned.all(), run.first, run.count, scene.boxes.all(), scene.records.all(),
-               scene.paths.all(), scene.triangle_inflations(), margin_, scene.stepped_worlds()});
+          Work{motion(), deviations(), scene.topology.corners(), scene.topology.sides(), scene.topology.owned.all(),
+               run.first, run.count, scene.boxes.all(), scene.records.all(), scene.paths.all(),
+               scene.triangle_inflations(), margin_, scene.stepped_worlds()});
   }
 
   /// Counts the triangles that the spacing of the positions' numbers is too coarse for.
@@ -73,6 +73,11 @@ class BoxPhase {
   }
 
  private:
+  /// What boxes are wider by. In a frame that advances the meshes may go any part of their ways.
+  Deviations deviations() const {
+    const Deviations of_step = context_.scene.deviations(needs_.is_ccd());
+    return needs_.advances ? of_step.of_parts() : of_step;
+  }
   /// Triangles [first, first + count).
   struct TriangleRun {
     uint64_t first, count;

@@ -162,7 +162,8 @@ class ShortenPhase {
             scene_.blocking[k].starts.all(),
             scene_.topology.joined(),
             group_of(),
-            scene_.ways.clearances.data()};
+            scene_.ways.clearances.data(),
+            scene_.turns()};
   }
   void judge(const uint64_t* round) {
     side_by_side([&]<class Kind>(int k, const Kind& kind) {

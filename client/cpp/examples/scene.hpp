@@ -50,7 +50,7 @@ class Scene {
           {.name = name, .vertex_count = static_cast<uint32_t>(mesh.vertices.size()), .triangles = mesh.triangles});
     }
     inputs[0].is_static = true;
-    // A rigid mesh that turns moves on arcs, and cannot advance: the sphere is deformable, and never meets itself.
+    // The sphere is deformable: all that it does is sent as positions. It never meets itself.
     inputs[1].no_self_contacts = true;
     return client.stream(client.create_scene(spec, inputs));
   }

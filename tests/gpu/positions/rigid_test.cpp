@@ -241,7 +241,6 @@ TEST_F(Rigid, WhatNeedsAStraightPathIsRefusedWhereItTurns) {
     set(input);
     return refused_field([&] { rigid_->detect(input); });
   };
-  EXPECT_EQ("advance", field_of([](FrameInput& frame) { frame.advance = true; }));
   EXPECT_EQ("accuracy", field_of([](FrameInput& frame) { frame.accuracy = Accuracy::kExact; }));
   rigid_->detect(frame_of({turn}));
   EXPECT_EQ("start_fraction", field_of([](FrameInput& frame) { frame.start_fraction = 0.5; }));

@@ -87,7 +87,7 @@ class Simulation:
         return p
 
     def turned_sphere(self, angle):
-        """The sphere's vertices. It is a deformable mesh: a rigid one that turns moves on arcs, and cannot advance."""
+        """The sphere's vertices. It is a deformable mesh, and never meets itself."""
         c, s = np.cos(angle), np.sin(angle)
         x, y, z = self.sphere.T
         return np.stack([c * x - s * y, s * x + c * y, z], axis=1)

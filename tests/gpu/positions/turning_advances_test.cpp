@@ -1,0 +1,368 @@
+// Rigid meshes that turn and advance. They end on their screws, at the fraction that is told; on the screw from start
+// to end they keep their floors, as screws in 67 digits and distances at many times say.
+
+#include <cmath>
+#include <cstdio>
+
+#include "gpu/positions/rigid_arc.hpp"
+#include "tests/gpu/backend.hpp"
+#include "tests/gpu/positions/exact_screw.hpp"
+#include "tests/gpu/positions/owned_updates.hpp"
+#include "tests/support/distance.hpp"
+#include "tests/support/families/query_families_shapes.hpp"
+
+namespace collided::test {
+namespace {
+
+std::vector<std::byte> bytes_of(const Pose& pose) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(pose.rows.data());
+  return {bytes, bytes + sizeof(pose.rows)};
+}
+
+/// A turn about `axis` through `centre`, and a slide along it.
+ExactScrew screw_about(const Vec3d& axis, const Vec3d& centre, double angle, double slide = 0) {
+  ExactScrew screw;
+  screw.axis = unit(exact(axis)), screw.centre = exact(centre);
+  screw.angle = exact(angle), screw.slide = exact(slide);
+  return screw;
+}
+
+/// The part of a screw that an advance goes: beside the point at `fraction` of each vertex's chord.
+ExactScrew part_of(const ExactScrew& whole, double fraction) {
+  ExactScrew part = whole;
+  const double half = whole.angle.get_d() / 2;
+  part.angle = exact(half + std::asin((2 * fraction - 1) * std::sin(half)));
+  part.slide = exact(fraction) * whole.slide;
+  return part;
+}
+
+using Tetrahedron = std::array<Vec3d, 4>;
+constexpr std::array<std::array<uint32_t, 3>, 4> kFaces = {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+constexpr std::array<std::array<size_t, 2>, 6> kEdges = {{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
+/// Of the surfaces.
+double distance(const Tetrahedron& a, const Tetrahedron& b) {
+  double least = HUGE_VAL;
+  for (const auto& [i, j, k] : kFaces)
+    for (size_t v = 0; v < 4; ++v)
+      least = std::min({least, point_triangle(a[v], {b[i], b[j], b[k]}).distance,
+                        point_triangle(b[v], {a[i], a[j], a[k]}).distance});
+  for (const auto& [i, j] : kEdges)
+    for (const auto& [k, l] : kEdges) least = std::min(least, edge_edge({a[i], a[j]}, {b[k], b[l]}).distance);
+  return least;
+}
+
+double length_of(const Vec3d& v) { return std::hypot(v[0], v[1], v[2]); }
+Positions positions_of(const Tetrahedron& body) { return {body.begin(), body.end()}; }
+
+/// Tetrahedra, each of them rigid or static, and where they are.
+class Bodies {
+ public:
+  struct Body {
+    Tetrahedron rest;
+    bool is_static = false;
+    Pose pose = {};
+  };
+
+  Bodies(std::vector<Body> bodies, double min_separation, Scalar scalar, Accuracy accuracy = Accuracy::kCertified)
+      : bodies_(std::move(bodies)), scalar_(scalar) {
+    Case c;
+    for (const Body& body : bodies_)
+      add_mesh(c, {kFaces.begin(), kFaces.end()}, positions_of(body.rest), {}, body.is_static);
+    SceneSpec spec = spec_for(c, settings(Mode::kCcd, accuracy, scalar));
+    spec.min_separation = min_separation;
+    for (size_t i = 0; i < bodies_.size(); ++i)
+      if (!bodies_[i].is_static) spec.meshes[i].motion = MeshMotion::kRigid;
+    scene_ = Detector::create(spec);
+    std::vector<OwnedUpdate> first;
+    for (uint32_t i = 0; i < bodies_.size(); ++i)
+      first.push_back({i, false, {}, {}, pack(positions_of(bodies_[i].rest), scalar)});
+    scene_->detect(frame_of(first));
+  }
+
+  /// Each body that is not static goes for `targets`. Returns how far each one went.
+  std::vector<double> advance(const std::vector<Pose>& targets, AdvanceMode mode) {
+    std::vector<OwnedUpdate> moves;
+    for (uint32_t i = 0; i < bodies_.size(); ++i)
+      if (!bodies_[i].is_static) moves.push_back({i, false, {}, {}, {}, bytes_of(targets[i])});
+    FrameInput input = frame_of(moves);
+    input.advance = true, input.advance_mode = mode;
+    result_ = scene_->detect(input);
+    std::vector<double> gone(bodies_.size(), mode == AdvanceMode::kAllOrOne ? *result_.advanced : 1.0);
+    for (size_t i = 0; i < result_.shortened.ids.size(); ++i)
+      gone[result_.shortened.ids[i]] = result_.shortened.fractions[i];
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+      Body& body = bodies_[i];
+      if (body.is_static)
+        gone[i] = 1;
+      else
+        body.pose = pose_along(body.pose, targets[i], gone[i]);
+    }
+    return gone;
+  }
+  const FrameResult& result() const { return result_; }
+
+  /// Where the engine has a body.
+  Tetrahedron resident(uint32_t body) const {
+    std::vector<std::byte> bytes(4 * position_bytes(scalar_));
+    scene_->read_positions({4 * body, 1, 4}, bytes);
+    Tetrahedron out;
+    for (size_t v = 0; v < 4; ++v)
+      for (size_t k = 0; k < 3; ++k) {
+        const std::byte* from = bytes.data() + (3 * v + k) * (scalar_ == Scalar::kF64 ? 8 : 4);
+        if (scalar_ == Scalar::kF64) std::memcpy(&out[v][k], from, 8);
+        float narrow = 0;
+        if (scalar_ != Scalar::kF64) std::memcpy(&narrow, from, 4), out[v][k] = double{narrow};
+      }
+    return out;
+  }
+  const Body& operator[](size_t i) const { return bodies_[i]; }
+  size_t size() const { return bodies_.size(); }
+
+ private:
+  std::vector<Body> bodies_;
+  const Scalar scalar_;
+  std::unique_ptr<Detector> scene_;
+  FrameResult result_;
+};
+
+/// What a pose makes of a point, and where a screw in world coordinates takes that to.
+Vec3d posed(const Pose& pose, const Vec3d& p) { return posed_by<double>(pose, p); }
+Pose moved(const Pose& pose, const ExactScrew& by) {
+  const ExactScrew::Moment end = by.at(1);
+  Pose out;
+  for (size_t k = 0; k < 4; ++k) {
+    const Vec3d column = {pose.rows[k], pose.rows[4 + k], pose.rows[8 + k]};
+    const ExactVec origin = end(exact(Vec3d{0, 0, 0}));
+    const Vec3d to = k == 3 ? nearest(end(exact(column))) : nearest(end(exact(column)) - origin);
+    for (size_t i = 0; i < 3; ++i) out.rows[4 * i + k] = to[i];
+  }
+  return out;
+}
+Tetrahedron posed(const Pose& pose, const Tetrahedron& rest) {
+  Tetrahedron out;
+  for (size_t v = 0; v < 4; ++v) out[v] = posed(pose, rest[v]);
+  return out;
+}
+
+Tetrahedron bar(const Vec3d& at, double length) {
+  return {Vec3d{at[0], at[1], at[2]},
+          {at[0] + 1e-2, at[1], at[2]},
+          {at[0], at[1] + 1e-2, at[2]},
+          {at[0], at[1], at[2] + length}};
+}
+
+class TurningAdvances : public OnBackend<::testing::Test> {};
+
+// However near they are and far from the axis: seen from one of them, the others stand still.
+TEST_F(TurningAdvances, WhatTurnsTogetherGoesAllTheWay) {
+  for (const Scalar scalar : {Scalar::kF64, Scalar::kF32})
+    for (const AdvanceMode mode : {AdvanceMode::kAllOrOne, AdvanceMode::kPerMesh})
+      for (const double angle : {1e-9, 1e-3, 0.1, 0.9}) {
+        SCOPED_TRACE("angle " + std::to_string(angle));
+        const double gap = 1e-3, at = 0.5;
+        Bodies bodies({{bar({at, 0, 0}, 1)}, {bar({at, 1e-2 + gap, 0.1}, 1)}, {bar({at + 1e-2 + gap, 0, 0}, 1)}}, 1e-3,
+                      scalar);
+        for (int step = 0; step < 5; ++step) {
+          const ExactScrew screw = screw_about({0, 0, 1}, {0, 0, 0}, angle, 0.01);
+          std::vector<Pose> targets;
+          for (size_t i = 0; i < bodies.size(); ++i) targets.push_back(moved(bodies[i].pose, screw));
+          for (const double gone : bodies.advance(targets, mode)) EXPECT_EQ(1, gone);
+          EXPECT_EQ(1, bodies.result().advanced);
+        }
+      }
+}
+
+// A box that rests at the minimum separation of a floor rolls on over its edge. Turns that bend too much to tell are
+// gone in parts.
+TEST_F(TurningAdvances, WhatRollsOnAFloorGetsThere) {
+  const double m = 1e-3;
+  const Tetrahedron floor = {Vec3d{-20, -20, 0}, {20, -20, 0}, {0, 20, 0}, {0, 0, -20}};
+  for (const double angle : {0.01, 0.1}) {
+    Bodies bodies({{floor, true}, {{Vec3d{0, 0, m}, {1, 0, m}, {0, 1, m}, {0.3, 0.3, 1 + m}}}}, m, Scalar::kF64);
+    Pose target = bodies[1].pose;
+    int frames = 0;
+    for (int step = 0; step < 10; ++step) {
+      target = moved(target, screw_about({0, 1, 0}, posed(target, Vec3d{1, 0, m}), angle));
+      for (double gone = 0; gone < 1; ++frames) {
+        gone = bodies.advance({{}, target}, AdvanceMode::kPerMesh)[1];
+        ASSERT_GT(gone, 0);
+        ASSERT_LT(frames, 200);
+      }
+    }
+    std::printf("turns of %g rad on a floor: %.1f frames each\n", angle, frames / 10.0);
+    EXPECT_LE(frames, angle < 0.05 ? 10 : 100);
+  }
+}
+
+// What spins fast and flies at a wall gets near it.
+TEST_F(TurningAdvances, WhatSpinsGetsNearAWall) {
+  const double m = 1e-3;
+  const Tetrahedron wall = {Vec3d{5, -20, -20}, {5, 20, -20}, {5, 0, 20}, {20, 0, 0}};
+  Bodies bodies({{wall, true}, {{Vec3d{-0.5, -0.5, -0.5}, {0.5, -0.5, 0.5}, {0.5, 0.5, -0.5}, {-0.5, 0.5, 0.5}}}}, m,
+                Scalar::kF64);
+  double apart = 4;
+  for (int step = 0; step < 20; ++step) {
+    const Vec3d at = posed(bodies[1].pose, Vec3d{0, 0, 0});
+    const Pose target = moved(bodies[1].pose, screw_about({0.2, 0.1, 1}, lerp(at, {0, -10, 0}, 0.2), 2));
+    Pose towards = target;
+    towards.rows[3] += 3;
+    bodies.advance({{}, towards}, AdvanceMode::kPerMesh);
+    apart = distance(bodies.resident(0), bodies.resident(1));
+    ASSERT_GE(apart, m * (1 - 1e-9));
+  }
+  EXPECT_LT(apart, 0.1);
+}
+
+/// What was judged, and how far bodies went.
+struct Judged {
+  int steps = 0, ways = 0, shortened = 0;
+  double share = 0;
+};
+
+/// Bodies within reach of each other, which screws drive through each other; judged at many times of each step.
+void judge(uint32_t seed, Scalar scalar, Judged& judged) {
+  Random random(seed);
+  const double m = std::pow(10, random.within(-3, -1.5)), unit = scalar == Scalar::kF64 ? 0x1p-53 : 0x1p-24;
+  const double offset = random.integer(0, 2) == 0 ? 100 : 0;
+  std::vector<Bodies::Body> made;
+  while (made.size() < 5) {
+    Bodies::Body body;
+    body.is_static = made.size() == 4;
+    const Vec3d at = plus(random.vector(1), {offset, offset, 0});
+    for (Vec3d& v : body.rest) {
+      v = plus(at, random.vector(0.5));
+      for (double& x : v) x = std::ldexp(std::round(std::ldexp(x, 12)), -12);
+    }
+    const auto is_near = [&](const Bodies::Body& other) { return distance(other.rest, body.rest) < 0.2 * m; };
+    const auto edge = [&](size_t i) { return exact(minus(body.rest[i], body.rest[0])); };
+    if (abs(dot(cross(edge(1), edge(2)), edge(3))) < 0.01 || std::any_of(made.begin(), made.end(), is_near)) continue;
+    made.push_back(body);
+  }
+  Bodies bodies(made, m, scalar);
+  const AdvanceMode mode = random.chance(0.5) ? AdvanceMode::kPerMesh : AdvanceMode::kAllOrOne;
+  const bool together = random.integer(0, 2) == 0;
+  for (int step = 0; step < 4; ++step) {
+    std::vector<ExactScrew> screws;
+    std::vector<Pose> targets, before;
+    double least = m;
+    for (uint32_t i = 0; i < bodies.size(); ++i)
+      for (uint32_t j = 0; j < i; ++j) least = std::min(least, distance(bodies.resident(i), bodies.resident(j)));
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      const double angle = random.chance(0.5) ? random.within(0, 2.5) : std::pow(10, random.within(-9, 0));
+      const Vec3d centre =
+          plus(posed(bodies[i].pose, bodies[i].rest[0]), random.vector(random.chance(0.25) ? 10 : 0.5));
+      screws.push_back(together && i > 0 ? screws[0]
+                                         : screw_about(random.vector(1), centre, angle, random.within(-1, 1)));
+      if (bodies[i].is_static) screws.back() = screw_about({0, 0, 1}, {0, 0, 0}, 0);
+      before.push_back(bodies[i].pose), targets.push_back(moved(bodies[i].pose, screws.back()));
+    }
+    const std::vector<double> gone = bodies.advance(targets, mode);
+    std::vector<ExactScrew> parts;
+    const double size = offset + 30;
+    for (uint32_t i = 0; i < bodies.size(); ++i) {
+      parts.push_back(part_of(screws[i], gone[i]));
+      judged.share += gone[i], judged.shortened += gone[i] < 1;
+      const Tetrahedron at = bodies.resident(i), start = posed(before[i], bodies[i].rest);
+      const ExactScrew::Moment end = parts.back().at(1);
+      for (size_t v = 0; v < 4; ++v)
+        ASSERT_LT(length_of(minus(at[v], nearest(end(exact(start[v]))))), (4096 * 0x1p-53 + 4 * unit) * size)
+            << "body " << i << ", step " << step << ", fraction " << gone[i];
+    }
+    constexpr int kTimes = 24;
+    for (int time = 0; time <= kTimes; ++time) {
+      std::vector<Tetrahedron> now;
+      for (size_t i = 0; i < bodies.size(); ++i) {
+        const ExactScrew::Moment moment = parts[i].at(double{1.0 * time / kTimes});
+        Tetrahedron at = posed(before[i], bodies[i].rest);
+        for (Vec3d& p : at) p = nearest(moment(exact(p)));
+        now.push_back(at);
+      }
+      for (size_t i = 0; i < bodies.size(); ++i)
+        for (size_t j = 0; j < i; ++j, ++judged.ways)
+          ASSERT_GE(distance(now[i], now[j]), 7.0 / 8 * least * (1 - 1e-6) - 4 * unit * size)
+              << "bodies " << i << " and " << j << ", step " << step << ", time " << time << " of " << kTimes;
+    }
+    ++judged.steps;
+  }
+}
+
+TEST_F(TurningAdvances, KeepTheirFloorsOnTheirScrews) {
+  Judged judged;
+  for (uint32_t seed = 1; seed <= 60 && !HasFatalFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    judge(seed, seed % 3 == 0 ? Scalar::kF32 : Scalar::kF64, judged);
+  }
+  std::printf("%d steps, %d distances, %d bodies shortened, mean fraction %.3f\n", judged.steps, judged.ways,
+              judged.shortened, judged.share / (5 * judged.steps));
+  EXPECT_GT(judged.shortened, judged.steps);
+  EXPECT_GT(judged.share, 1.5 * judged.steps);
+}
+
+/// Families of turns for poses on the way.
+TEST(PoseAlong, IsOnTheScrewBesideTheChord) {
+  Random random(7);
+  double off_rotation = 0;
+  for (int i = 0; i < 2000; ++i) {
+    ExactScrew whole =
+        screw_about(random.vector(1), random.vector(std::pow(10, random.within(-2, 3))),
+                    i % 2 == 0 ? random.within(0, 3) : std::pow(10, random.within(-14, 0)), random.within(-3, 3));
+    const Pose from = moved({}, screw_about(random.vector(1), random.vector(1), random.within(0, 3)));
+    const Pose to = moved(from, whole);
+    const double a = random.within(0, 1);
+    const Pose at = pose_along(from, to, a);
+    off_rotation = std::max(off_rotation, rotation_defect(at));
+    const Vec3d p = random.vector(1);
+    const ExactVec expected = part_of(whole, a).at(1)(exact(posed(from, p)));
+    const double size = 1 + length_of(posed(from, p)) + length_of(posed(to, p));
+    EXPECT_LT(length_of(minus(posed(at, p), nearest(expected))), 1e-12 * size) << i;
+  }
+  EXPECT_LT(off_rotation, 1e-12);
+}
+
+TEST(PoseAlong, IsExactAtBothEndsAndBlendsWhatDoesNotTurn) {
+  const Pose from = moved({}, screw_about({1, 2, 3}, {4, 5, 6}, 1)), to = moved(from, screw_about({1, 0, 3}, {}, 2));
+  EXPECT_EQ(from.rows, pose_along(from, to, 0).rows);
+  EXPECT_EQ(to.rows, pose_along(from, to, 1).rows);
+  Pose slid = from;
+  slid.rows[3] += 0.3, slid.rows[7] -= 1e9, slid.rows[11] *= 3;
+  const Pose at = pose_along(from, slid, 0.3);
+  for (size_t k = 0; k < 12; ++k) EXPECT_EQ(at.rows[k], from.rows[k] + 0.3 * (slid.rows[k] - from.rows[k])) << k;
+}
+
+// What boxes are grown by covers all parts of the way (Deviations::of_parts).
+TEST(PoseAlong, PartsOfTheWayAreWithinThreeDeviations) {
+  Random random(9);
+  const auto corner = [](const Box<double>& box, int i) {
+    return Vec3d{i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z};
+  };
+  double most = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double far = std::pow(10, random.within(-3, 3));
+    const ExactScrew whole =
+        screw_about(random.vector(1), random.vector(far),
+                    i % 2 == 0 ? random.within(0, 3) : std::pow(10, random.within(-14, 0)), random.within(-3, 3));
+    const Pose from = moved({}, screw_about(random.vector(1), random.vector(1), random.within(0, 3)));
+    Pose to = moved(from, whole);
+    if (i % 5 == 0)
+      for (const size_t k : {0, 1, 2, 4, 5, 6, 8, 9, 10})
+        to.rows[k] += random.within(-1, 1) * std::pow(10, random.within(-8, -4.9));
+    if (from.has_rotation_of(to)) continue;
+    const Vec3d lo = random.vector(far), size = random.vector(1);
+    const Box<double> rest{{lo[0], lo[1], lo[2]},
+                           {lo[0] + std::abs(size[0]), lo[1] + std::abs(size[1]), lo[2] + std::abs(size[2])}};
+    const double a = i % 3 == 0 ? std::pow(10, random.within(-12, 0)) : random.within(0, 1);
+    const Pose at = pose_along(from, to, a);
+    double off = 0;
+    for (int k = 0; k < 8; ++k) {
+      const Vec3d p = corner(rest, k);
+      off = std::max(off, length_of(minus(posed(at, p), lerp(posed(from, p), posed(to, p), a))));
+    }
+    most = std::max(most, (off + arc_deviation<double>(from, at, rest)) / arc_deviation<double>(from, to, rest));
+  }
+  std::printf("parts of the way are within %.3f deviations\n", most);
+  EXPECT_LT(most, Deviations::kOfParts);
+}
+
+}  // namespace
+}  // namespace collided::test
