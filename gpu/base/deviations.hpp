@@ -25,7 +25,7 @@ struct Deviations {
 
   /// Those of all parts of the step's ways that begin where it does (positions/mesh_turn.hpp).
   COLLIDED_HD Deviations of_parts() const { return {first_vertex, of_mesh, meshes, kOfParts * times}; }
-  static constexpr double kOfParts = 3;
+  static constexpr double kOfParts = 4;
 
   COLLIDED_HD bool is_needed() const { return meshes != 0; }
   /// Of a mesh's vertices, which it is enough to name one of.

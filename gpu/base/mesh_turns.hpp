@@ -6,13 +6,15 @@
 
 namespace collided {
 
-/// Of one mesh. All lengths are bounds that no vertex exceeds, in the unit of the positions.
+/// Of one mesh. Lengths are bounds of all of its vertices, in the unit of the positions. What positions lose when they
+/// are rounded to the scene's format counts in `rounded` alone.
 struct MeshTurn {
   double deviation = 0;       ///< between screw and straight way; 0: the mesh does not turn
-  double rounding = 0;        ///< the part of it that rounding and what R is off a rotation explain
-  double speed = 0;           ///< what a vertex moves along the screw in the whole time
+  double rounding = 0;        ///< the part of it that rounding of poses and what R is off a rotation explain
+  double rounded = 0;         ///< how far positions at either end may be from the screw
+  double bend = 0;            ///< an arc is off its chord by no more than this times the chord's length
   double defect = 0;          ///< how far both R may be from the rotations that they stand for
-  Vec3<double> half_turn{};   ///< sin(angle / 2) times the axis; the angle is that of the whole time
+  Vec3<double> half_turn{};   ///< sin(angle / 2) times the axis
   Vec3<double> back[3] = {};  ///< rows of the rotation from the end to the start
 
   COLLIDED_HD bool turns() const { return deviation > 0; }
@@ -40,10 +42,6 @@ struct PairTurn {
   const MeshTurn* first = nullptr;
   const MeshTurn* second = nullptr;
 
-  /// What the features may be closer to each other than their straight ways are, at most.
-  COLLIDED_HD double off() const {
-    return Deviations::widened(first != nullptr ? first->deviation : 0, second != nullptr ? second->deviation : 0);
-  }
   COLLIDED_HD bool is_straight() const { return first == nullptr && second == nullptr; }
   COLLIDED_HD bool both() const { return first != nullptr && second != nullptr; }
 };

@@ -1,10 +1,12 @@
 #pragma once
 // Ways of pairs with rigid meshes that turn. Their vertices go along arcs; the straight ways between the ends are off
-// these by known bounds (base/mesh_turns.hpp). Two views of a pair are tried, and each is right:
-// - As it is: what the straight ways of both features are apart, the arcs are apart to within both deviations.
-// - From the second feature's mesh, which stands still there: meshes that turn together do not move at all.
+// these by known bounds (base/mesh_turns.hpp). A pair is looked at in up to three views, each of which is right:
+// - As it is. What the straight ways of both features are apart, the arcs are apart to within what both are off.
+// - From the mesh of one feature or of the other, if both turn. The mesh stands still there, and so does what turns
+// with
+//   it.
 //
-// The second view. Let both meshes move at even speed along screws of angular velocities w1 and w2. Velocities at a
+// Seen from a mesh. Let two meshes move at even speed along screws of angular velocities w1 and w2. Velocities at a
 // point p are v1(p) and v2(p), and u = v1 - v2. A difference of vertices p1 of the first and p2 of the second mesh,
 // seen from the second, is r(t) = M(t) (p1 - p2), where M(t) turns by -t |w2| about w2. Its derivatives are
 //   r' = M u(p1),   r'' = M ((w1 - w2) x v1(p1) - w2 x u(p1)),
@@ -16,7 +18,8 @@
 // those of their vertices, and so within the greatest of these bounds.
 //
 // Angular velocities are known by s = sin(angle / 2) times the axis. For angles up to 1, |w| <= 2.09 |s|, and
-// |w1 - w2| <= 2.28 |s1 - s2|.
+// |w1 - w2| <= 2.28 |s1 - s2|; |v| is at most 1.05 times the vertex's chord. R off a rotation by up to e moves s by at
+// most 3 e.
 
 #include "gpu/base/mesh_turns.hpp"
 #include "gpu/narrow/certified_way.hpp"
@@ -32,20 +35,54 @@ struct BentWay {
 
 namespace detail {
 
-/// As the second mesh sees them. False if they turn by more than the bounds above are for.
-template <int N>
-COLLIDED_HD bool see_from_second(const PairTurn& turn, BentWay<N>& way) {
-  constexpr double kMostSine = 0.479;  // of half a radian
-  constexpr double u = Precision<double>::kUnit;
-  const MeshTurn &first = *turn.first, &second = *turn.second;
-  const double half = square_root(dot(second.half_turn, second.half_turn)),
-               half_of_first = square_root(dot(first.half_turn, first.half_turn));
-  if (!(half < kMostSine && half_of_first < kMostSine)) return false;
+/// Whether the k-th vertex of a pair is the first feature's.
+template <class Kind>
+COLLIDED_HD bool is_of_first(int k) {
+  return k < (DifferenceOf<Kind>::kCount == 3 ? 1 : 2);
+}
 
-  Differences<double, N>& d = way.d;
+/// How far the vertices of both features go, at most.
+struct Chords {
+  double first = 0, second = 0;
+
+  template <class Kind, class Real>
+  COLLIDED_HD static Chords of(const FeaturePoints<Real>& way) {
+    double first = 0, second = 0;
+    for (int k = 0; k < 4; ++k) {
+      const Vec3<double> chord = convert<double>(way.end[k]) - convert<double>(way.start[k]);
+      double& most = is_of_first<Kind>(k) ? first : second;
+      most = max(most, dot(chord, chord));
+    }
+    constexpr double kRoundings = 1 + 8 * Precision<double>::kUnit;
+    return {kRoundings * square_root(first), kRoundings * square_root(second)};
+  }
+};
+
+/// What vertices of a mesh that go no farther than this between rounded positions are off their straight ways.
+COLLIDED_HD inline double off_straight(const MeshTurn* turn, double chord) {
+  if (turn == nullptr) return 0;
+  const double of_these = turn->bend * (chord + 2 * turn->rounded) + turn->rounding;
+  return min(turn->deviation, of_these * (1 + 8 * Precision<double>::kUnit));
+}
+
+/// What both features are together.
+COLLIDED_HD inline double off_straight(const PairTurn& turn, const Chords& chords) {
+  return Deviations::widened(off_straight(turn.first, chords.first), off_straight(turn.second, chords.second));
+}
+
+COLLIDED_HD inline double sine_of_half(const MeshTurn& turn) {
+  return square_root(dot(turn.half_turn, turn.half_turn));
+}
+/// Of the angle up to which meshes are seen from each other.
+constexpr double kMostSineOfHalf = 0.479;
+
+/// A way as `by` sees it, where the other feature's mesh turns by `other`, and its vertices go no farther than `chord`.
+template <int N>
+COLLIDED_HD BentWay<N> seen_from(const MeshTurn& by, const MeshTurn& other, double chord, Differences<double, N> d) {
+  constexpr double u = Precision<double>::kUnit;
   double squared = 0, largest = 0, extent = 0;
   for (int k = 0; k < N; ++k) {  // half as long: turning must not bring a component to 2
-    d.start[k] = 0.5 * d.start[k], d.end[k] = 0.5 * second.turned_back(d.end[k]);
+    d.start[k] = 0.5 * d.start[k], d.end[k] = 0.5 * by.turned_back(d.end[k]);
     const Vec3<double> change = d.end[k] - d.start[k];
     squared = max(squared, dot(change, change));
     largest = max(largest, dot(d.end[k], d.end[k]));
@@ -53,26 +90,35 @@ COLLIDED_HD bool see_from_second(const PairTurn& turn, BentWay<N>& way) {
   }
   d.extent = extent, d.scale = 0.5 * d.scale;
 
-  const Vec3<double> apart = first.half_turn - second.half_turn;
-  const double defects = first.defect + second.defect;
-  const double turned_by = 2.09 * (half + 2 * second.defect);
-  const double turned_apart = 2.28 * (square_root(dot(apart, apart)) + 2 * defects);
-  const double unscaled = 1 / d.scale;
-  const double lost = unscaled * square_root(largest) * (2 * second.defect + 64 * u);
-  const double changed = unscaled * square_root(squared) + lost;
-  const double bend = (turned_apart * first.speed + turned_by * changed) / (1 - turned_by / 2);
-  way.off = (bend / 8 + lost + first.rounding + second.rounding) * (1 + 64 * u);
-  return true;
+  const Vec3<double> apart = other.half_turn - by.half_turn;
+  const double rounded = by.rounded + other.rounded, unscaled = 1 / d.scale;
+  const double lost = unscaled * square_root(largest) * (2 * by.defect + 64 * u);
+  const double changed = unscaled * square_root(squared) + lost + 2 * rounded;
+  const double turned = 2.09 * (sine_of_half(by) + 3 * by.defect);
+  const double turned_apart = 2.28 * (square_root(dot(apart, apart)) + 3 * (by.defect + other.defect));
+  const double speed = 1.05 * (chord + 2 * other.rounded);
+  const double bend = (turned_apart * speed + turned * changed) / (1 - turned / 2);
+  return {d, (bend / 8 + lost + by.rounding + other.rounding) * (1 + 64 * u)};
+}
+
+template <int N>
+COLLIDED_HD BentWay<N> better_of(const BentWay<N>& a, const BentWay<N>& b) {
+  return b.off < a.off ? b : a;
 }
 
 }  // namespace detail
 
-/// Returns the better view of a pair. `d`: its differences as they are.
-template <int N>
-COLLIDED_HD BentWay<N> bent_way(const Differences<double, N>& d, const PairTurn& turn) {
-  const BentWay<N> as_it_is{d, turn.off()};
-  BentWay<N> seen{d, 0};
-  return turn.both() && detail::see_from_second(turn, seen) && seen.off < as_it_is.off ? seen : as_it_is;
+/// Returns the best view of a pair. `d`: its differences as they are.
+template <class Kind, class Real, int N>
+COLLIDED_HD BentWay<N> bent_way(const FeaturePoints<Real>& way, const Differences<double, N>& d, const PairTurn& turn) {
+  if (turn.is_straight()) return {d, 0};
+  const detail::Chords chords = detail::Chords::of<Kind>(way);
+  BentWay<N> best{d, detail::off_straight(turn, chords)};
+  if (!turn.both() || !(detail::sine_of_half(*turn.first) < detail::kMostSineOfHalf) ||
+      !(detail::sine_of_half(*turn.second) < detail::kMostSineOfHalf))
+    return best;
+  best = detail::better_of(best, detail::seen_from(*turn.second, *turn.first, chords.first, d));
+  return detail::better_of(best, detail::seen_from(*turn.first, *turn.second, chords.second, d));
 }
 
 }  // namespace collided

@@ -116,6 +116,9 @@ struct PairFloors {
   double end;    ///< what f is at the end, at least
   double noise;  ///< what rounding of positions explains
   bool is_tiny;  ///< the floors say nothing of such a pair
+
+  /// What straight lines keep of pairs whose ways bend a little.
+  COLLIDED_HD double bent_way() const { return way + kept / 32; }
 };
 
 template <class Real>

@@ -87,11 +87,12 @@ COLLIDED_LONG COLLIDED_HD bool keeps_floors(const FeaturePoints<Real>& way, cons
     const CertifiedDistance start = certified_distance<Kind>(way.start);
     return start.value > 0 && comes_no_nearer_along<Kind>(start.along.n, way);
   }
-  if (keeps_floors_at_a_glance<Kind>(way, floors, turn.off())) return true;
+  const double off = turn.is_straight() ? 0 : detail::off_straight(turn, detail::Chords::of<Kind>(way));
+  if (keeps_floors_at_a_glance<Kind>(way, floors, off)) return true;
   if (!(certified_distance<Kind>(way.end).value >= floors.end)) return false;
   DifferencesOf<double, Kind> d;
   if (!load_differences<Kind, double>(way, d)) return false;
-  const auto bent = bent_way(d, turn);
+  const auto bent = bent_way<Kind>(way, d, turn);
   return certified_way(bent.d, Deviations::widened(floors.way, bent.off)).is_free;
 }
 
@@ -105,11 +106,6 @@ struct Shares {
 
 namespace detail {
 
-template <class Kind>
-COLLIDED_HD bool is_of_first(int i) {
-  return i < (DifferenceOf<Kind>::kCount == 3 ? 1 : 2);
-}
-
 /// How far each vertex goes towards the other feature along n, which points to the first feature's side.
 template <class Kind, class Real>
 COLLIDED_HD void approaches_along(const Vec3<double>& n, const FeaturePoints<Real>& way, double (&towards)[4]) {
@@ -119,17 +115,6 @@ COLLIDED_HD void approaches_along(const Vec3<double>& n, const FeaturePoints<Rea
   }
 }
 
-/// How far off its straight line a way may be, so that a pair has its floor that comes as near as holds_on_way() says.
-COLLIDED_HD inline double room_to_bend(const PairFloors& floors) { return (1 - FloorRules::kOfWay) / 2 * floors.kept; }
-COLLIDED_HD inline double holds_on_way(const PairFloors& floors) { return floors.way + room_to_bend(floors); }
-
-/// The share of a turn that bends by no more than there is room for: a part of a turn is off by the square of its
-/// share.
-COLLIDED_HD inline double share_to_bend(double off, const PairFloors& floors) {
-  const double room = room_to_bend(floors);
-  return off > room ? square_root(room / off) : 1;
-}
-
 /// Leaves meshes that turn no more than `share`.
 template <class Kind>
 COLLIDED_HD void shorten_turns(const PairTurn& turn, double share, Shares& shares) {
@@ -137,34 +122,48 @@ COLLIDED_HD void shorten_turns(const PairTurn& turn, double share, Shares& share
     if ((is_of_first<Kind>(i) ? turn.first : turn.second) != nullptr) shares.of[i] = min(shares.of[i], share);
 }
 
-/// Vertices that approach stop a little before the features come as near as they may. Meshes that turn by too much to
-/// tell turn by less.
+/// The share of a pair's turns with which its way may be free. What is left of a turn is off its straight line by the
+/// square of the share, or about that. Meshes that turn by too much to be seen from each other turn by less first.
+template <int N>
+COLLIDED_HD double share_of_turns(const BentWay<N>& bent, const PairFloors& floors, const PairTurn& turn,
+                                  const Group& team) {
+  constexpr int kHalves = 12;
+  if (turn.both()) {
+    const double most = max(sine_of_half(*turn.first), sine_of_half(*turn.second));
+    if (!(most < kMostSineOfHalf)) return 0.5 * kMostSineOfHalf / most;
+  }
+  double best = 0, share = 1, off = bent.off;
+  for (int i = 0; i <= kHalves && best < share; ++i, share /= 2, off /= 4)
+    best = max(best, min(share, certified_way(bent.d, Deviations::widened(floors.bent_way(), off), team).until));
+  return best;
+}
+
+/// Vertices that approach stop a little before the features come as near as they may.
 template <class Kind, class Real>
 COLLIDED_HD Shares shares_by_time(const FeaturePoints<Real>& way, const PairFloors& floors, const PairTurn& turn,
                                   const Group& team) {
   constexpr double kKept = 1 - 0x1p-7;
-  DifferencesOf<double, Kind> straight;
-  if (!load_differences<Kind, double>(way, straight)) return Shares::all(0);
-  const auto bent = bent_way(straight, turn);
+  DifferencesOf<double, Kind> d;
+  if (!load_differences<Kind, double>(way, d)) return Shares::all(0);
+  const auto bent = bent_way<Kind>(way, d, turn);
   const bool only_bends = bent.off > 0 && certified_distance<Kind>(way.end, team).value >= floors.end;
-  const double until = min(certified_way(bent.d, only_bends ? holds_on_way(floors) : floors.kept, team).until, 1.0);
-  Direction<double> direction = certified_distance(standing_at(straight, until), team).along;
-  if (!(direction.length > 0)) direction = certified_distance<Kind>(way.start, team).along;
-  double towards[4];
-  approaches_along<Kind>(direction.n, way, towards);
-  const bool any_approaches = towards[0] > 0 || towards[1] > 0 || towards[2] > 0 || towards[3] > 0;
+  const double until = min(certified_way(bent.d, only_bends ? floors.bent_way() : floors.kept, team).until, 1.0);
   Shares shares = Shares::all(1);
-  for (int i = 0; i < 4; ++i)
-    if (towards[i] > 0 || !any_approaches) shares.of[i] = kKept * until;
-  if (const double less = share_to_bend(bent.off, floors); less < 1) {
-    const double free = certified_way(bent.d, Deviations::widened(floors.way, bent.off), team).until;
-    shorten_turns<Kind>(turn, kKept * max(less, min(free, 1.0)), shares);
+  if (!only_bends || until < 1) {
+    Direction<double> direction = certified_distance(standing_at(d, until), team).along;
+    if (!(direction.length > 0)) direction = certified_distance<Kind>(way.start, team).along;
+    double towards[4];
+    approaches_along<Kind>(direction.n, way, towards);
+    const bool any_approaches = towards[0] > 0 || towards[1] > 0 || towards[2] > 0 || towards[3] > 0;
+    for (int i = 0; i < 4; ++i)
+      if (towards[i] > 0 || !any_approaches) shares.of[i] = kKept * until;
   }
+  if (only_bends) shorten_turns<Kind>(turn, kKept * share_of_turns(bent, floors, turn, team), shares);
   return shares;
 }
 
 /// Both features stop at planes across the direction at the start, which share the room between them by how far each
-/// goes. Meshes that turn by too much to tell turn by less.
+/// goes.
 template <class Kind, class Real>
 COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFloors& floors, const PairTurn& turn,
                                     const Group& team) {
@@ -184,9 +183,9 @@ COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFl
     const double own = most[0] + most[1] > 0 ? room * (most[is_of_first<Kind>(i) ? 0 : 1] / (most[0] + most[1])) : 0;
     if (towards[i] > own) shares.of[i] = own / towards[i] * kLess;
   }
-  DifferencesOf<double, Kind> straight;
-  if (!turn.is_straight() && load_differences<Kind, double>(way, straight))
-    shorten_turns<Kind>(turn, share_to_bend(bent_way(straight, turn).off, floors), shares);
+  DifferencesOf<double, Kind> d;
+  if (!turn.is_straight() && load_differences<Kind, double>(way, d))
+    shorten_turns<Kind>(turn, share_of_turns(bent_way<Kind>(way, d, turn), floors, turn, team), shares);
   const bool any_shortened = shares.of[0] < 1 || shares.of[1] < 1 || shares.of[2] < 1 || shares.of[3] < 1;
   return any_shortened ? shares : Shares::all(0);
 }

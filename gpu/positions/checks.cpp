@@ -29,7 +29,8 @@ void check_bytes(const std::string& field, std::span<const std::byte> bytes, uin
 
 // A rigid motion.
 
-constexpr double kMaxDefect = 1e-4;  ///< what single-precision rotations have is a thousandth of it
+constexpr double kMaxDefect = 1e-4;           ///< what single-precision rotations have is a thousandth of it
+constexpr double kOfPosesOnTheWay = 0x1p-40;  ///< what pose_along() may add
 
 Pose pose_of(std::span<const std::byte> bytes) {
   Pose pose;
@@ -45,7 +46,7 @@ void check_pose(const std::string& field, std::span<const std::byte> bytes) {
   for (size_t i = 0; i < pose.rows.size(); ++i)
     if (!std::isfinite(pose.rows[i]))
       throw InvalidInput(field, field + ": entry " + text(i) + " is " + text(pose.rows[i]) + "; it must be finite");
-  if (const double defect = rotation_defect(pose); !(defect <= kMaxDefect))
+  if (const double defect = rotation_defect(pose); !(defect <= kMaxDefect + kOfPosesOnTheWay))
     throw InvalidInput(field, field + ": R is no rotation: R^T R is " + text(defect) + " from I, which may be " +
                                   text(kMaxDefect) + " at most");
   if (!(determinant(pose) > 0)) throw InvalidInput(field, field + ": R is a reflection: its determinant is -1, not 1");

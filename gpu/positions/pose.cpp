@@ -10,24 +10,31 @@ using Vec = Vec3<double>;
 /// A column of [R | t], 0 to 3.
 Vec column(const Pose& pose, int k) { return {pose.r(0, k), pose.r(1, k), pose.r(2, k)}; }
 
-/// A rotation between two poses as a unit quaternion.
+/// A rotation as a unit quaternion; what it does to a vector is a sum of three parts.
 struct HalfTurn {
   double cosine;
   Vec vector;
+
+  /// along x + across ((v . x) v) + turned (v x x), v the vector.
+  Vec sum(double along, double across, double turned, const Vec& x) const {
+    const Vec parallel = (across * dot(vector, x)) * vector, aside = turned * cross(vector, x);
+    return along * x + (parallel + aside);
+  }
 };
 
 // R1 R0^T has the trace sum_k a_k . b_k, where a_k and b_k are the columns of R0 and R1, and its antisymmetric part is
-// that of sum_k a_k x b_k = sum_k a_k x (b_k - a_k). The latter keeps the digits of small angles.
+// that of sum_k a_k x b_k = sum_k a_k x (b_k - a_k). The latter keeps the digits of small angles. For a turn by an
+// angle they give 2 (1 + cos) and 2 sin times the axis, whose ratio is the tangent of half the angle.
 HalfTurn turn_between(const Pose& from, const Pose& to) {
-  double trace = 0;
-  Vec twice{0, 0, 0};
+  double cosine = 1;
+  Vec sine{0, 0, 0};
   for (int k = 0; k < 3; ++k) {
     const Vec a = column(from, k), b = column(to, k);
-    trace = trace + dot(a, b);
-    twice = twice + cross(a, b - a);
+    cosine = cosine + dot(a, b);
+    sine = sine + cross(a, b - a);
   }
-  const double cosine = 0.5 * std::sqrt(1 + trace);
-  return {cosine, (1 / (4 * cosine)) * twice};
+  const double length = std::sqrt(cosine * cosine + dot(sine, sine));
+  return {cosine / length, (1 / length) * sine};
 }
 
 }  // namespace
@@ -35,29 +42,38 @@ HalfTurn turn_between(const Pose& from, const Pose& to) {
 Vec3<double> half_turn(const Pose& from, const Pose& to) { return turn_between(from, to).vector; }
 
 // Let b be half the angle, S = sin b, r the distance of a vertex from the axis, and 2 r S the length of its chord
-// across the axis. The point of the arc beside the point at a of the chord is at an angle m from the arc's middle, with
-// sin m = (2a - 1) S, and off the chord by r (cos m - cos b). In units of the chord this is
-//   (cos m - cos b) / (2 S) = (S^2 - sin^2 m) / (2 S (cos m + cos b)) = 2 a (1 - a) S / (cos m + cos b).
-// It points along chord x axis. With v = S axis, the vertex is off by 2 a (1 - a) / (cos m + cos b) times chord x v, to
-// which the slide along the axis adds nothing. The chord is affine in the vertex, so that the columns of a pose may
-// stand for it. There is no division by the angle, and m is the same for all vertices: they turn as one.
+// across the axis. The point of the arc beside the point at f of the chord is at an angle m from the arc's middle, with
+// sin m = (2f - 1) S, and off the chord by r (cos m - cos b). In units of the chord this is
+//   (cos m - cos b) / (2 S) = (S^2 - sin^2 m) / (2 S (cos m + cos b)) = 2 f (1 - f) S / (cos m + cos b).
+// It points along chord x axis. With v = S axis, the vertex is off by bulge = 2 f (1 - f) / (cos m + cos b) times
+// chord x v, to which the slide along the axis adds nothing. The chord is affine in the vertex, so that the columns of
+// a pose may stand for it. There is no division by the angle, and m is the same for all vertices: they turn as one.
+//
+// This makes the translation. For R it would lose digits near half a turn, which add up over many steps. So R is what
+// R0 and R1 turned back blend to, turned by m + b: with c = cos b, the coefficients of that turn follow from
+//   sin(m + b) = 2 S (f c + bulge S^2),   1 - cos(m + b) = 2 S^2 (f - bulge c).
 Pose pose_along(const Pose& from, const Pose& to, double fraction) {
   if (fraction == 0) return from;
   if (fraction == 1) return to;
   const HalfTurn half = turn_between(from, to);
-  const double from_middle = 2 * fraction - 1;
-  const double squared = 1 - (from_middle * from_middle) * dot(half.vector, half.vector);
-  const double bulge = 2 * (fraction * (1 - fraction)) / (half.cosine + std::sqrt(squared > 0 ? squared : 0.0));
-  Pose pose = from;
-  for (int k = 0; k < 4; ++k) {
-    const Vec chord = column(to, k) - column(from, k);
-    const Vec off = cross(chord, half.vector);
-    const auto put = [&](int i, double way, double aside) {
-      double& entry = pose.rows[static_cast<size_t>(4 * i + k)];
-      entry = entry + (fraction * way + bulge * aside);
-    };
-    put(0, chord.x, off.x), put(1, chord.y, off.y), put(2, chord.z, off.z);
+  const double squared = dot(half.vector, half.vector), from_middle = 2 * fraction - 1;
+  const double of_middle = 1 - (from_middle * from_middle) * squared;
+  const double bulge = 2 * (fraction * (1 - fraction)) / (half.cosine + std::sqrt(of_middle > 0 ? of_middle : 0.0));
+  const double turned = fraction * half.cosine + bulge * squared, across = fraction - bulge * half.cosine;
+
+  Pose pose;
+  const auto put = [&](int k, const Vec& v) {
+    pose.rows[static_cast<size_t>(k)] = v.x;
+    pose.rows[static_cast<size_t>(4 + k)] = v.y;
+    pose.rows[static_cast<size_t>(8 + k)] = v.z;
+  };
+  for (int k = 0; k < 3; ++k) {
+    const Vec a = column(from, k);
+    const Vec back = half.sum(1 - 2 * squared, 2, -2 * half.cosine, column(to, k));
+    put(k, half.sum(1 - 2 * (across * squared), 2 * across, 2 * turned, a + fraction * (back - a)));
   }
+  const Vec t = column(from, 3), way = column(to, 3) - t;
+  put(3, t + (fraction * way + bulge * cross(way, half.vector)));
   return pose;
 }
 

@@ -93,9 +93,12 @@ double largest_of_corners(const Box<double>& box, const Size& size) {
 //
 // In units in which the largest coordinate is near 1, so that squares neither overflow nor underflow.
 struct Deviation {
-  double all, rounding;  ///< the latter is part of the former
-  double chord;          ///< of any vertex, between the true motion's ends
-  double defect;
+  double arc, rounding;  ///< of all computation but that to the format of positions
+  double rounded;        ///< to that format, at both ends
+  double bend, defect;
+
+  double all() const { return (arc + rounding + rounded) * (1 + 0x1p-44); }
+  double of_poses() const { return (arc + rounding) * (1 + 0x1p-44); }
 };
 Deviation scaled_deviation(const Pose& from, const Pose& to, const Box<double>& rest, double unit) {
   const Turn turn(from, to);
@@ -116,12 +119,10 @@ Deviation scaled_deviation(const Pose& from, const Pose& to, const Box<double>& 
   }
   const double chord = largest_of_corners(rest, [&](const Vec& p) { return length(turn.of(p) + across); });
   const double arc = bend * (chord + 2 * defect * far + lost * length(slide));
-  const double rounding = 2 * defect * far + (unit + 8 * kUnit) * reach;
-  const double moved = largest_of_corners(rest, [&](const Vec& p) { return length(turn.of(p) + slide); });
-  return {(arc + rounding) * (1 + 0x1p-44), rounding * (1 + 0x1p-44), moved + rounding, defect};
+  return {arc, 2 * defect * far + 8 * kUnit * reach, unit * reach, bend, defect};
 }
 
-/// scaled_deviation() in the units of the positions.
+/// The same in the units of the positions.
 template <class Real>
 Deviation deviation_between(const Pose& from, const Pose& to, const Box<double>& rest) {
   const double scale = unit_scale(std::max({largest_component(rest.lo), largest_component(rest.hi),
@@ -132,8 +133,8 @@ Deviation deviation_between(const Pose& from, const Pose& to, const Box<double>&
   };
   const Deviation found =
       scaled_deviation(scaled(from), scaled(to), {scale * rest.lo, scale * rest.hi}, Precision<Real>::kUnit);
-  constexpr double kLost = 8 * std::numeric_limits<Real>::denorm_min();  // by subnormal positions
-  return {found.all / scale + kLost, found.rounding / scale + kLost, found.chord / scale + kLost, found.defect};
+  constexpr double kLeast = std::numeric_limits<Real>::denorm_min();  // of which subnormal positions lose a few
+  return {found.arc / scale, found.rounding / scale, found.rounded / scale + 8 * kLeast, found.bend, found.defect};
 }
 
 }  // namespace
@@ -148,16 +149,16 @@ double largest_coordinate(const Pose& pose, const Box<double>& rest) {
 
 template <class Real>
 double arc_deviation(const Pose& from, const Pose& to, const Box<double>& rest) {
-  return from.has_rotation_of(to) ? 0 : deviation_between<Real>(from, to, rest).all;
+  return from.has_rotation_of(to) ? 0 : deviation_between<Real>(from, to, rest).all();
 }
 
-// A vertex goes along its screw at an even speed. Its path is no longer than its chord times (a/2) / sin(a/2), which is
-// below 1.05 for a up to 1; nothing asks for the speed of what turns by more (narrow/bent_ways.hpp).
 template <class Real>
 MeshTurn mesh_turn(const Pose& from, const Pose& to, const Box<double>& rest) {
   if (from.has_rotation_of(to)) return {};
   const Deviation found = deviation_between<Real>(from, to, rest);
-  MeshTurn turn{found.all, found.rounding, 1.05 * found.chord, found.defect, half_turn(from, to), {}};
+  MeshTurn turn{
+      found.of_poses(),   found.rounding * (1 + 0x1p-44), found.rounding + found.rounded, found.bend, found.defect,
+      half_turn(from, to)};
   for (int i = 0; i < 3; ++i) {
     const auto entry = [&](int j) {
       return from.r(i, 0) * to.r(j, 0) + from.r(i, 1) * to.r(j, 1) + from.r(i, 2) * to.r(j, 2);

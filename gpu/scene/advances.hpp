@@ -158,7 +158,7 @@ class Advances {
       pipeline_.shorten_by_parts([&](Shorten& shorten) {
         exec_.stage("advance", [&] {
           if (need_host) positions_.keep_target();
-          run_rounds_with_host(shorten);
+          run_rounds_with_host(shorten, mode);
           sum_up(shorten, mode);
         });
       });
@@ -170,14 +170,14 @@ class Advances {
     positions_.go();
     shorten.judge_changed();
   }
-  void run_rounds_with_host(Shorten& shorten) {
+  void run_rounds_with_host(Shorten& shorten, AdvanceMode mode) {
     do {
       shorten.propose();
       join_shares();
       if (shortening_of(pipeline_.found().round.number) == Shortening::kIslands) join_islands(shorten);
       shorten.take_shares();
       positions_.go();
-      positions_.go_rigid();
+      positions_.go_rigid([&](uint32_t mesh) { return group_of(mode, mesh, shape().vertex_offset[mesh]); });
       shorten.judge_changed();
       pipeline_.look_at_rounds();
     } while (any_failed());

@@ -112,12 +112,13 @@ class ResidentPositions {
   bool has_rigid() const { return rigid_.has_any(); }
   /// Tells the backend how rigid meshes turn on the whole way.
   void tell_turns() { rigid_.tell_turns(); }
-  /// The same of rigid meshes, by their poses.
-  void go_rigid() {
+  /// The same of rigid meshes, by their poses. group_of(mesh): of all of its vertices.
+  template <class GroupOf>
+  void go_rigid(const GroupOf& group_of) {
     if (!has_rigid()) return;
     std::vector<double> fractions(vertices());
     exec_.download(fractions.data(), scene_.ways.fractions.data(), fractions.size() * sizeof(double));
-    rigid_.go(fractions);
+    rigid_.go([&](uint32_t mesh) { return fractions[group_of(mesh)]; });
   }
   /// As RigidMeshes has it.
   double off_straight() const { return rigid_.off_straight(); }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -111,11 +110,11 @@ class RigidMeshes {
   }
 
   bool has_any() const { return !state_.bodies.empty(); }
-  /// So far along the step's way: where the pose is, so are the positions. `fractions`: of each mesh, by its first
-  /// vertex.
-  void go(std::span<const double> fractions) {
+  /// So far along the step's way: where the pose is, so are the positions. fraction_of(mesh): from 0 to 1.
+  template <class FractionOf>
+  void go(const FractionOf& fraction_of) {
     for (RigidBody& body : bodies()) {
-      body.end = pose_along(body.start, body.target, fractions[body.first_vertex]);
+      body.end = pose_along(body.start, body.target, fraction_of(body.mesh));
       transform(body, body.end, scene_.end.data());
     }
     tell_turns();

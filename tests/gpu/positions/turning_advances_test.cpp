@@ -191,7 +191,7 @@ TEST_F(TurningAdvances, WhatRollsOnAFloorGetsThere) {
       }
     }
     std::printf("turns of %g rad on a floor: %.1f frames each\n", angle, frames / 10.0);
-    EXPECT_LE(frames, angle < 0.05 ? 10 : 100);
+    EXPECT_LE(frames, angle < 0.05 ? 10 : 40);
   }
 }
 
@@ -202,15 +202,14 @@ TEST_F(TurningAdvances, WhatSpinsGetsNearAWall) {
   Bodies bodies({{wall, true}, {{Vec3d{-0.5, -0.5, -0.5}, {0.5, -0.5, 0.5}, {0.5, 0.5, -0.5}, {-0.5, 0.5, 0.5}}}}, m,
                 Scalar::kF64);
   double apart = 4;
-  for (int step = 0; step < 20; ++step) {
-    const Vec3d at = posed(bodies[1].pose, Vec3d{0, 0, 0});
-    const Pose target = moved(bodies[1].pose, screw_about({0.2, 0.1, 1}, lerp(at, {0, -10, 0}, 0.2), 2));
-    Pose towards = target;
-    towards.rows[3] += 3;
-    bodies.advance({{}, towards}, AdvanceMode::kPerMesh);
+  for (int step = 0; step < 40; ++step) {
+    Pose target = moved(bodies[1].pose, screw_about({0.2, 0.1, 1}, posed(bodies[1].pose, Vec3d{0, 0, 0}), 2));
+    target.rows[3] += 0.5;
+    bodies.advance({{}, target}, AdvanceMode::kPerMesh);
     apart = distance(bodies.resident(0), bodies.resident(1));
     ASSERT_GE(apart, m * (1 - 1e-9));
   }
+  std::printf("%g from the wall\n", apart);
   EXPECT_LT(apart, 0.1);
 }
 
@@ -315,9 +314,29 @@ TEST(PoseAlong, IsOnTheScrewBesideTheChord) {
     const Vec3d p = random.vector(1);
     const ExactVec expected = part_of(whole, a).at(1)(exact(posed(from, p)));
     const double size = 1 + length_of(posed(from, p)) + length_of(posed(to, p));
-    EXPECT_LT(length_of(minus(posed(at, p), nearest(expected))), 1e-12 * size) << i;
+    EXPECT_LT(length_of(minus(posed(at, p), nearest(expected))), 1e-13 * size) << i;
   }
-  EXPECT_LT(off_rotation, 1e-12);
+  EXPECT_LT(off_rotation, 1e-14);
+}
+
+// Each target is a turn of where the last advance ended, as solvers have it.
+TEST(PoseAlong, StaysARotationOverManySteps) {
+  Random random(11);
+  for (const double angle : {0.01, 1.0, 2.99}) {
+    Pose at;
+    double most = 0;
+    for (int step = 0; step < 2000; ++step) {
+      const Pose turn = moved({}, screw_about(random.vector(1), {}, angle));
+      Pose target;
+      for (size_t i = 0; i < 3; ++i)
+        for (size_t k = 0; k < 3; ++k)
+          target.rows[4 * i + k] = (turn.rows[4 * i] * at.rows[k] + turn.rows[4 * i + 1] * at.rows[4 + k]) +
+                                   turn.rows[4 * i + 2] * at.rows[8 + k];
+      at = pose_along(at, target, random.unit());
+      most = std::max(most, rotation_defect(at));
+    }
+    EXPECT_LT(most, 1e-11) << angle;
+  }
 }
 
 TEST(PoseAlong, IsExactAtBothEndsAndBlendsWhatDoesNotTurn) {
@@ -331,7 +350,7 @@ TEST(PoseAlong, IsExactAtBothEndsAndBlendsWhatDoesNotTurn) {
 }
 
 // What boxes are grown by covers all parts of the way (Deviations::of_parts).
-TEST(PoseAlong, PartsOfTheWayAreWithinThreeDeviations) {
+TEST(PoseAlong, PartsOfTheWayAreWithinFourDeviations) {
   Random random(9);
   const auto corner = [](const Box<double>& box, int i) {
     return Vec3d{i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z};
