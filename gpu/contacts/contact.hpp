@@ -18,9 +18,13 @@ struct ContactData {
 
 // At kExact. `is_at_zero`: the contact has a time of impact, which is 0.
 
+/// A mesh of the pair turns: what exact arithmetic says of straight paths does not hold for it. In no answer.
+constexpr uint8_t kFlagOnArc = 64;
+
 /// Whether only exact arithmetic can decide a contact: it is not certain, its time was left far off by the limit of
 /// iterations, or is 0 though the features may not touch at the start.
 COLLIDED_HD inline bool is_undecided(uint8_t flags, bool is_at_zero) {
+  if ((flags & kFlagOnArc) != 0) return false;
   return (flags & (kFlagCertified | kFlagCapped)) != kFlagCertified || (is_at_zero && (flags & kFlagInitial) == 0);
 }
 /// A pair that the step itself has decided to be apart; the host drops it, so the flag is in no answer.

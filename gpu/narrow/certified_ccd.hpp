@@ -147,6 +147,7 @@ struct CcdReporter {
   CcdQueries<Real, Kind, Candidate> queries;
   double start_thickness;  ///< at t = 0, at most queries.thickness
   bool skips_separating;   ///< what comes no closer is no contact
+  bool is_exact;           ///< contacts are to be decided where their paths are straight
   ContactSink<Real> contacts;
 
   COLLIDED_HD Tolerance<Work> tolerance_of(const DifferencesOf<Work, Kind>& d, double doubt) const {
@@ -157,7 +158,7 @@ struct CcdReporter {
             delta};
   }
   COLLIDED_HD void report_coincident(uint64_t key, double doubt) const {
-    contacts.report(key, coincident<Real>(start_thickness, doubt, kFlagInitial));
+    contacts.report(key, coincident<Real>(start_thickness, doubt, kFlagInitial | mark(doubt)));
   }
   /// A pair that is certain to be apart on [0, t) alone.
   COLLIDED_HD void report(uint64_t key, const DifferencesOf<Work, Kind>& d, const Tolerance<Work>& tolerance, Work t,
@@ -166,11 +167,14 @@ struct CcdReporter {
     const bool separating = doubt == 0 && is_separating(key, d, tolerance, t);
     if (separating && skips_separating) return;
     const double by = known_by(d, t, doubt);
-    const uint8_t flags = flags_of(d, t, is_capped, doubt, by < kNeverCertain) | (separating ? kFlagSeparating : 0);
+    const uint8_t flags =
+        flags_of(d, t, is_capped, doubt, by < kNeverCertain) | (separating ? kFlagSeparating : 0) | mark(doubt);
     contacts.report(key, contact_at<Real>(d, t, flags), by);
   }
 
  private:
+  /// At kExact positions are what they are, so that there is no doubt but of arcs.
+  COLLIDED_HD uint8_t mark(double doubt) const { return is_exact && doubt > 0 ? kFlagOnArc : uint8_t{0}; }
   /// As certain_by.
   COLLIDED_HD double known_by(const DifferencesOf<Work, Kind>& d, Work t, double doubt) const {
     const double certain = certain_distance(start_thickness, doubt);

@@ -115,7 +115,6 @@ class SceneDetector final : public Detector {
       positions_.check_start_fraction(frame.start_fraction);
       positions_.require(*slot, frame);
       positions_.place(*slot, frame, settings.is_ccd());
-      check_straight(settings);
     });
     if (worlds) return detect_worlds(std::move(*worlds), *slot, settings, frame.bytes_beside_contact);
     RestCosts rest;
@@ -165,14 +164,6 @@ class SceneDetector final : public Detector {
     result.worlds = divide_by_world(scene_.topology.shape, result);
     result.worlds.refused = std::move(worlds).refused();
     return result;
-  }
-
-  /// What decides on the straight paths of positions cannot on the arcs of a mesh that turns.
-  void check_straight(const FrameSettings& settings) const {
-    const std::optional<uint32_t> mesh = positions_.turning();
-    if (!mesh || !settings.is_ccd() || settings.accuracy != Accuracy::kExact) return;
-    throw InvalidInput("accuracy", "accuracy is EXACT, but rigid mesh " + std::to_string(*mesh) +
-                                       " turns in this step, on no straight path");
   }
 
   /// What the first frame's step for rest pairs cost, and where its stages are among the frame's.

@@ -96,6 +96,12 @@ void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, 
   if (kept < set.size()) filter(loops, set, keep);
 }
 
+void take_marks(CpuLoops& loops, ContactSet& set) {
+  loops.in_turn(set.flags.size(), kAtATime, [&](uint64_t first, uint64_t end) {
+    for (size_t i = first; i < end; ++i) set.flags[i] &= static_cast<uint8_t>(~kFlagOnArc);
+  });
+}
+
 void keep_earliest(CpuLoops& loops, PerKind<ContactSet>& contacts) {
   const ContactSet* winner = nullptr;
   size_t place = 0;

@@ -42,7 +42,7 @@ struct DecidedContacts {
 };
 
 /// Decides contacts that come soon after their times of impact, which are early; leaves the others in the list of their
-/// kind.
+/// kind. Contacts on arcs are left as they are.
 template <class Real>
 struct DecideSoon {
   DecidedContacts<Real> contacts;
@@ -51,6 +51,7 @@ struct DecideSoon {
   COLLIDED_HD void operator()(uint64_t i) const {
     ContactData<Real>& contact = contacts.data[i];
     if (!contacts.is_ccd && !contacts.is_open(contact)) return;
+    if ((contact.flags & kFlagOnArc) != 0) return;
     contacts.use_points(i, [&]<class Kind>(const Kind&, const auto& from, const auto& to) {
       exact::fixed::Verdict verdict;
       if (contacts.is_ccd && contact.toi > 0) verdict = exact::fixed::decide_soon<Kind::kKind>(from, to, contact.toi);

@@ -264,7 +264,8 @@ class NarrowPhase {
   }
   template <class Work, class Kind, class Candidate>
   CcdReporter<Work, Real, Kind, Candidate> reporter(const Kind& kind, const Buffer<Candidate, Exec>& candidates) {
-    return {queries(kind, candidates), needs().settings.start_thickness, needs().skips_separating(), sink(Kind::kKind)};
+    return {queries(kind, candidates), needs().settings.start_thickness, needs().skips_separating(), needs().is_exact(),
+            sink(Kind::kKind)};
   }
   /// Near misses wait in lists whose candidates have all been looked at by now.
   template <class Work, class Kind, class Candidate>

@@ -153,7 +153,8 @@ const (
 	// As CERTIFIED, and pairs certain only to within delta are decided in exact arithmetic: contacts are those of real
 	// arithmetic on the given positions, no more and no less. Times of impact are lower bounds: without `thickness` early by
 	// less than 2^-50; with one CERTIFIED's, or early by less than 2^-50 for pairs that exact arithmetic decides.
-	// proto/ACCURACY.md lists the changes of the input that leave contacts and times the same.
+	// proto/ACCURACY.md lists the changes of the input that leave contacts and times the same. Contacts of rigid meshes that turn
+	// are those of CERTIFIED.
 	Accuracy_ACCURACY_EXACT Accuracy = 5
 )
 
@@ -467,7 +468,7 @@ const (
 	MeshMotion_MESH_MOTION_STATIC MeshMotion = 2
 	// Positions are in the mesh's first frame; later frames have a transform of them. A rigid mesh is not tested with
 	// itself. In CCD it moves along a screw from pose to pose, and guarantees hold for that; where it turns, its contacts
-	// are CERTIFIED only if they are deeper than its arcs are from straight paths. A frame in which it turns cannot be EXACT or have `advance`.
+	// are CERTIFIED only if they are deeper than its arcs are from straight paths, in frames that are EXACT, too.
 	MeshMotion_MESH_MOTION_RIGID MeshMotion = 3
 )
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include "gpu/base/box.hpp"
 #include "gpu/positions/blend.hpp"
@@ -231,19 +232,90 @@ TEST_F(Rigid, AFrameThatIsShortOfMemoryAnywhereLeavesASceneThatWorks) {
   EXPECT_GT(failed, 20);
 }
 
-TEST_F(Rigid, WhatNeedsAStraightPathIsRefusedWhereItTurns) {
+TEST_F(Rigid, AFrameBeginsOnNoArc) {
   const Pair pair(Mode::kCcd, Accuracy::kCertified, Scalar::kF32, 0);
   begin(pair, {});
-  const OwnedUpdate turn = move_of(0, turned_about_z(0.1));
-  const auto field_of = [&](const std::function<void(FrameInput&)>& set) {
-    FrameInput input;
-    input.updates = {turn.view()};
-    set(input);
-    return refused_field([&] { rigid_->detect(input); });
-  };
-  EXPECT_EQ("accuracy", field_of([](FrameInput& frame) { frame.accuracy = Accuracy::kExact; }));
-  rigid_->detect(frame_of({turn}));
-  EXPECT_EQ("start_fraction", field_of([](FrameInput& frame) { frame.start_fraction = 0.5; }));
+  rigid_->detect(frame_of({move_of(0, turned_about_z(0.1))}));
+  FrameInput back;
+  back.start_fraction = 0.5;
+  EXPECT_EQ("start_fraction", refused_field([&] { rigid_->detect(back); }));
+}
+
+/// A contact of features and what is known of it.
+using Row = std::tuple<uint32_t, uint32_t, uint8_t, double>;
+
+/// Those of mesh 0, or of the others.
+std::vector<Row> rows_of(const ContactSet& set, bool of_mesh_0, std::array<uint32_t, 2> in_mesh_0) {
+  std::vector<Row> rows;
+  for (size_t i = 0; i < set.size(); ++i) {
+    const auto [first, second] = set.elements[i];
+    if ((first < in_mesh_0[0] || second < in_mesh_0[1]) == of_mesh_0)
+      rows.emplace_back(first, second, set.flags[i], set.toi[i]);
+  }
+  return rows;
+}
+
+// What goes straight is decided exactly beside what turns, which CERTIFIED says all that can be said of.
+TEST_F(Rigid, ExactFramesDecideWhatGoesStraight) {
+  for (const Scalar scalar : {Scalar::kF32, Scalar::kF64})
+    for (const double thickness : {0.0, 0x1p-4}) {
+      SCOPED_TRACE("thickness " + std::to_string(thickness));
+      constexpr uint32_t kTriangles = 120;
+      Case c = soup(40, kTriangles, 1, 0.2, 0);
+      for (const uint32_t seed : {41u, 42u}) {
+        Case other = soup(seed, kTriangles, 1, 0.2, 0.1);
+        for (Positions* positions : {&other.start[0], &other.end[0]})
+          for (Vec3d& p : *positions)  // on a lattice, where many touch
+            for (double& x : p) x = std::ldexp(std::round(std::ldexp(x, 4)), -4);
+        add_mesh(c, other.meshes[0].triangles, other.start[0], other.end[0]);
+      }
+      SceneSpec spec = spec_for(c, settings(Mode::kCcd, Accuracy::kExact, scalar, thickness));
+      spec.meshes[0].motion = MeshMotion::kRigid;
+      const auto answer = [&](Accuracy accuracy, const Pose& pose, Report report) {
+        const auto scene = Detector::create(spec);
+        std::vector<OwnedUpdate> first, moves = {move_of(0, pose)};
+        for (uint32_t mesh = 0; mesh < 3; ++mesh) first.push_back({mesh, false, {}, {}, pack(c.start[mesh], scalar)});
+        for (uint32_t mesh = 1; mesh < 3; ++mesh) moves.push_back({mesh, false, {}, {}, pack(c.end[mesh], scalar)});
+        scene->detect(frame_of(first));
+        FrameInput input = frame_of(moves);
+        input.accuracy = accuracy, input.report = report;
+        return scene->detect(input);
+      };
+      const Pose turn = turned_about_z(0.2);
+      const FrameResult exact = answer(Accuracy::kExact, turn, Report::kAll),
+                        certified = answer(Accuracy::kCertified, turn, Report::kAll),
+                        still = answer(Accuracy::kExact, {}, Report::kAll);
+      const auto compare = [&](auto set, std::array<uint32_t, 2> in_mesh_0) {
+        EXPECT_EQ(rows_of(certified.*set, true, in_mesh_0), rows_of(exact.*set, true, in_mesh_0));
+        EXPECT_EQ(rows_of(still.*set, false, in_mesh_0), rows_of(exact.*set, false, in_mesh_0));
+        EXPECT_GT(rows_of(exact.*set, true, in_mesh_0).size(), 0u);
+        EXPECT_GT(rows_of(exact.*set, false, in_mesh_0).size(), 0u);
+      };
+      compare(&FrameResult::vertex_triangle, {3 * kTriangles, kTriangles});
+      compare(&FrameResult::edge_edge, {3 * kTriangles, 3 * kTriangles});
+      EXPECT_GT(exact.counts.exact_decisions, 0u);
+
+      const FrameResult any = answer(Accuracy::kExact, turn, Report::kAnyHit),
+                        first = answer(Accuracy::kExact, turn, Report::kEarliestOnly);
+      EXPECT_TRUE(any.any_contact);
+      EXPECT_EQ(exact.earliest_toi, first.earliest_toi);
+      EXPECT_EQ(1u, first.vertex_triangle.size() + first.edge_edge.size());
+    }
+}
+
+// Of a scene in which nothing but an arc may be in contact.
+TEST_F(Rigid, ExactFramesTellOfArcsAlone) {
+  const Pair pair(Mode::kCcd, Accuracy::kExact, Scalar::kF64, 0);
+  begin(pair, {});
+  for (const Report report : {Report::kAll, Report::kAnyHit, Report::kEarliestOnly}) {
+    const std::vector<OwnedUpdate> turn = {move_of(0, turned_about_z(0.2))};
+    FrameInput input = frame_of(turn);
+    input.report = report, input.trial = true;
+    const FrameResult exact = rigid_->detect(input);
+    input.accuracy = Accuracy::kCertified;
+    EXPECT_TRUE(same_contacts(rigid_->detect(input), exact));
+    EXPECT_TRUE(exact.any_contact);
+  }
 }
 
 TEST_F(Rigid, BadMovesAreRefusedByName) {
