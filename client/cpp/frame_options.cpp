@@ -1,4 +1,4 @@
-// What a frame asks besides its positions.
+// Turns the options of a frame into its message.
 
 #include "client/cpp/frame_options.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a frame asks besides its positions.
+// The options of a frame, and the message that carries them.
 
 #include <cstdint>
 #include <optional>
@@ -26,7 +26,7 @@ struct FrameOptions {
   std::vector<uint32_t> worlds = {}, meshes = {};
 };
 
-/// The frame of these options, without its updates.
+/// Returns a frame with these options, without updates.
 v1::Frame frame_head(uint64_t frame_id, const FrameOptions& options);
 
 /// Copies all fields but the updates, whose positions are large.

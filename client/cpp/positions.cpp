@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kInvalidArgument = 3;
 
-/// What is to be known of a format.
+/// Describes a format.
 struct FormatRow {
   v1::PositionFormat format;
   uint64_t bytes;  ///< of one vertex's position

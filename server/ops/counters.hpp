@@ -1,5 +1,5 @@
 #pragma once
-// What is counted since the start of the daemon: a row for each, which is a counter of Prometheus without labels.
+// The counters of Prometheus without labels. Each is a row, and counts from the start of the daemon.
 
 #include <iterator>
 
@@ -24,7 +24,7 @@ struct CounterRow {
   const char *name, *help;
 };
 
-/// In the order of Count.
+/// Rows are in the order of Count.
 inline constexpr CounterRow kCounters[] = {
     {Count::kFrames, "collided_frames_total", "Frames that were answered"},
     {Count::kContacts, "collided_contacts_total", "Contacts that were reported"},

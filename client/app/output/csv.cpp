@@ -22,7 +22,7 @@ struct FlagsColumn {
   std::vector<uint8_t> Contacts::*values;
 };
 
-/// Where the two features touch: computed from the weights and the vertices' positions.
+/// The points where the two features touch, which follow from the weights and the positions of the vertices.
 struct PointsColumn {
   std::string_view names;
 };

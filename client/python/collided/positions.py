@@ -148,7 +148,7 @@ class FormatRow:
         return 3 * self.dtype.itemsize
 
 
-# By the words for the protocol's values.
+# Keys are the words for the protocol's values.
 FORMATS = {"f32": FormatRow(np.dtype("<f4"), np.dtype("<f4")),
            "f64": FormatRow(np.dtype("<f8"), np.dtype("<f8")),
            "q16": FormatRow(np.dtype("<u2"), np.dtype("<f4"), has_box=True)}
