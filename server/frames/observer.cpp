@@ -46,7 +46,7 @@ void ServiceObserver::refused(const Scene&, uint64_t, const std::exception_ptr& 
   metrics_.count_rejected(code_name(describe(error).code));
 }
 
-void ServiceObserver::counted(const Scene&, Count count, uint64_t times) { metrics_.count(count, times); }
+void ServiceObserver::counted(const Scene&, CounterId id, uint64_t times) { metrics_.count(id, times); }
 
 void ServiceObserver::expired(const Scene& scene) {
   log_event(spdlog::level::info, "scene deleted: its lease ran out",

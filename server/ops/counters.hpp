@@ -1,11 +1,13 @@
 #pragma once
 // The counters of Prometheus without labels. Each is a row, and counts from the start of the daemon.
 
+#include <algorithm>
+#include <cstddef>
 #include <iterator>
 
 namespace collided::server {
 
-enum class Count {
+enum class CounterId {
   kFrames,
   kContacts,
   kReceivedBytes,
@@ -17,37 +19,36 @@ enum class Count {
   kDroppedLogLines,
   kResetFloods,
   kEvictedConnections,
+  kEnd  ///< their number
 };
 
 struct CounterRow {
-  Count count;
+  CounterId id;
   const char *name, *help;
 };
 
-/// Rows are in the order of Count.
+/// Rows are in the order of CounterId.
 inline constexpr CounterRow kCounters[] = {
-    {Count::kFrames, "collided_frames_total", "Frames that were answered"},
-    {Count::kContacts, "collided_contacts_total", "Contacts that were reported"},
-    {Count::kReceivedBytes, "collided_received_bytes_total", "Bytes of positions and indices in frames"},
-    {Count::kSentBytes, "collided_sent_bytes_total", "Bytes of arrays in answers: contacts and shortened ways"},
-    {Count::kSkippedFrames, "collided_skipped_frames_total", "Frames skipped by LATEST_WINS"},
-    {Count::kNotShownFrames, "collided_watch_skipped_frames_total",
+    {CounterId::kFrames, "collided_frames_total", "Frames that were answered"},
+    {CounterId::kContacts, "collided_contacts_total", "Contacts that were reported"},
+    {CounterId::kReceivedBytes, "collided_received_bytes_total", "Bytes of positions and indices in frames"},
+    {CounterId::kSentBytes, "collided_sent_bytes_total", "Bytes of arrays in answers: contacts and shortened ways"},
+    {CounterId::kSkippedFrames, "collided_skipped_frames_total", "Frames skipped by LATEST_WINS"},
+    {CounterId::kNotShownFrames, "collided_watch_skipped_frames_total",
      "Frames that were not sent to a watcher, once for each watcher"},
-    {Count::kReplays, "collided_replays_total", "Runs repeated because a buffer was too small"},
-    {Count::kReconnects, "collided_reconnects_total", "Streams opened with a resume token"},
-    {Count::kDroppedLogLines, "collided_dropped_log_lines_total", "Dropped log lines"},
-    {Count::kResetFloods, "collided_reset_floods_total",
+    {CounterId::kReplays, "collided_replays_total", "Runs repeated because a buffer was too small"},
+    {CounterId::kReconnects, "collided_reconnects_total", "Streams opened with a resume token"},
+    {CounterId::kDroppedLogLines, "collided_dropped_log_lines_total", "Dropped log lines"},
+    {CounterId::kResetFloods, "collided_reset_floods_total",
      "Connections ended because their clients reset too many calls"},
-    {Count::kEvictedConnections, "collided_evicted_connections_total",
+    {CounterId::kEvictedConnections, "collided_evicted_connections_total",
      "Connections evicted to make room for new ones, or ended by a limit of a connection"},
 };
 
-static_assert(
-    [] {
-      for (size_t i = 0; i < std::size(kCounters); ++i)
-        if (kCounters[i].count != static_cast<Count>(i)) return false;
-      return kCounters[std::size(kCounters) - 1].count == Count::kEvictedConnections;
-    }(),
-    "a row of kCounters is missing, or not in the order of Count");
+static_assert(std::size(kCounters) == static_cast<size_t>(CounterId::kEnd), "a counter has no row");
+static_assert(std::adjacent_find(std::begin(kCounters), std::end(kCounters),
+                                 [](const CounterRow& a, const CounterRow& b) { return a.id >= b.id; }) ==
+                  std::end(kCounters),
+              "a row is not in the order of CounterId");
 
 }  // namespace collided::server

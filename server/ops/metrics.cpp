@@ -124,11 +124,11 @@ struct Metrics::Families {
 
   void set_gauges_now() const;
   void set_gauges_of(const DeviceGauges& device) const;
-  Counter& of(Count count) const { return *counts[static_cast<size_t>(count)]; }
-  void raise(Count count, double total) const { raise_to(of(count), total); }
+  Counter& of(CounterId id) const { return *counts[static_cast<size_t>(id)]; }
+  void raise(CounterId id, double total) const { raise_to(of(id), total); }
 
   Registry registry;
-  const std::vector<Counter*> counts;  ///< by Count
+  const std::vector<Counter*> counts;  ///< by CounterId
   Histogram& frame_seconds;
   Gauge &scenes, &streams, &watchers, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes, &connections;
   Gauge &max_scenes, &max_streams, &max_device_bytes, &ready;
@@ -226,11 +226,11 @@ void Metrics::Families::set_gauges_now() const {
   max_device_bytes.Set(static_cast<double>(now.max_device_bytes));
   ready.Set(now.is_ready ? 1 : 0);
   for (const DeviceGauges& device : now.devices) set_gauges_of(device);
-  raise(Count::kEvictedConnections, static_cast<double>(now.evicted));
+  raise(CounterId::kEvictedConnections, static_cast<double>(now.evicted));
   heap_bytes.Set(process_heap_bytes());
   resident_bytes.Set(process_resident_bytes());
   open_files.Set(process_open_files());
-  raise(Count::kDroppedLogLines, static_cast<double>(dropped_log_lines()));
+  raise(CounterId::kDroppedLogLines, static_cast<double>(dropped_log_lines()));
 }
 
 void Metrics::Families::set_gauges_of(const DeviceGauges& device) const {
@@ -254,17 +254,17 @@ void Metrics::observe_stage(std::string_view stage, double seconds) { families_-
 
 void Metrics::count_frame(const FrameTotals& frame) {
   families_->frame_seconds.Observe(frame.seconds);
-  count(Count::kFrames);
-  count(Count::kContacts, frame.contacts);
-  count(Count::kReceivedBytes, frame.bytes_in);
-  count(Count::kSentBytes, frame.bytes_out);
-  count(Count::kReplays, frame.replays);
+  count(CounterId::kFrames);
+  count(CounterId::kContacts, frame.contacts);
+  count(CounterId::kReceivedBytes, frame.bytes_in);
+  count(CounterId::kSentBytes, frame.bytes_out);
+  count(CounterId::kReplays, frame.replays);
 }
 
 void Metrics::count_engine(std::string_view engine, std::string_view reason) {
   families_->engines.at(engine, reason).Increment();
 }
-void Metrics::count(Count count, uint64_t times) { families_->of(count).Increment(static_cast<double>(times)); }
+void Metrics::count(CounterId id, uint64_t times) { families_->of(id).Increment(static_cast<double>(times)); }
 void Metrics::count_rejected(std::string_view reason) { families_->rejected.at(reason).Increment(); }
 
 void Metrics::count_certificate_reload(bool is_taken) {

@@ -63,7 +63,7 @@ class Metrics {
   void count_frame(const FrameTotals& frame);
   /// A frame's engine and why it was chosen, names as in FrameMetrics.
   void count_engine(std::string_view engine, std::string_view reason);
-  void count(Count count, uint64_t times = 1);
+  void count(CounterId id, uint64_t times = 1);
   /// A refused frame or call; `reason` is the name of its gRPC code, such as RESOURCE_EXHAUSTED.
   void count_rejected(std::string_view reason);
   /// Changed TLS files: whether they were loaded, or the previous ones kept.

@@ -20,7 +20,7 @@ class SceneObserver {
   virtual void answered(const Scene& scene, const AnsweredFrame& frame) = 0;
   virtual void refused(const Scene& scene, uint64_t frame_id, const std::exception_ptr& error) = 0;
   /// Something happened to the scene so many times that is counted, and no more.
-  virtual void counted(const Scene& scene, Count count, uint64_t times) = 0;
+  virtual void counted(const Scene& scene, CounterId id, uint64_t times) = 0;
   /// The scene was deleted because its lease ran out.
   virtual void expired(const Scene& scene) = 0;
   /// The engine reports that the scene's device failed.

@@ -68,7 +68,7 @@ using OptionValue = std::variant<double, std::string, std::vector<std::string>>;
 /// The spec's options in the spelling of the command line, each under its name in JSON, in order.
 std::vector<std::pair<std::string, OptionValue>> described(const v1::SceneSpec& spec);
 
-/// "f32", "f64", "q16".
+/// The words of all formats, such as "f32".
 std::vector<std::string> position_formats();
 /// `name` is one of position_formats().
 v1::PositionFormat format_of(const std::string& name);

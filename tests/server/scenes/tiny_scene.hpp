@@ -23,13 +23,13 @@ class CountingObserver : public SceneObserver {
  public:
   void answered(const Scene&, const AnsweredFrame&) override { ++answers; }
   void refused(const Scene&, uint64_t, const std::exception_ptr&) override { ++refusals; }
-  void counted(const Scene&, Count count, uint64_t times) override {
-    counts[static_cast<size_t>(count)] += static_cast<int>(times);
+  void counted(const Scene&, CounterId id, uint64_t times) override {
+    counts[static_cast<size_t>(id)] += static_cast<int>(times);
   }
   void expired(const Scene&) override { ++expiries; }
   void device_failed(const Scene&, const std::string&) override { ++failures; }
 
-  int count_of(Count count) const { return counts[static_cast<size_t>(count)]; }
+  int count_of(CounterId id) const { return counts[static_cast<size_t>(id)]; }
 
   std::atomic<int> answers = 0, refusals = 0, expiries = 0, failures = 0;
   std::array<std::atomic<int>, std::size(kCounters)> counts{};
