@@ -153,7 +153,7 @@ void Daemon::listen(const Config& config) {
 
 void Daemon::abandoned(const std::string& peer) {
   if (!entrance_.connections().abandoned(peer)) return;
-  core_.metrics.count_reset_flood();
+  core_.metrics.count(CounterId::kResetFloods);
   log_event(spdlog::level::warn, "connection ended: its client keeps opening and resetting streams", {{"peer", peer}});
 }
 

@@ -97,17 +97,11 @@ std::unique_ptr<collided_result> detect(const SceneUse& scene, FrameInput frame)
 /// `values` has something for each field; find(field, that) is where a field's numbers are, or null if it has none.
 template <class PerFields, class Find>
 collided_contacts columns_of(uint64_t count, const PerFields& values, const Find& find) {
-  const auto column = [&]<class Number>(const Number*& to, ContactField field, const auto& value) {
-    to = static_cast<const Number*>(find(field, value));
-  };
   collided_contacts contacts{};
   contacts.count = count;
-  column(contacts.elements, ContactField::kElements, values.elements);
-  column(contacts.toi, ContactField::kToi, values.toi);
-  column(contacts.distance, ContactField::kDistance, values.distance);
-  column(contacts.weights, ContactField::kWeights, values.weights);
-  column(contacts.normals, ContactField::kNormals, values.normals);
-  column(contacts.flags, ContactField::kFlags, values.flags);
+  for_each_field([&]<class Number>(ContactField field, const auto& value,
+                                   const Number*& to) { to = static_cast<const Number*>(find(field, value)); },
+                 values, contacts);
   return contacts;
 }
 

@@ -9,6 +9,7 @@
 #include "client/app/options/usage_error.hpp"
 #include "client/app/output/output.hpp"
 #include "client/cli/commands.hpp"
+#include "client/cpp/positions.hpp"
 #include "client/measure/bench/output.hpp"
 #include "client/measure/bench/run.hpp"
 #include "client/measure/end_to_end/run.hpp"
@@ -30,7 +31,8 @@ struct BenchOptions {
 void check_end_to_end(const BenchOptions& options) {
   if (options.scenes.size() > 1 || options.engines.size() > 1)
     throw UsageError("--end-to-end takes one --scene and one --engine");
-  if (options.settings.position_format == "q16") throw UsageError("--end-to-end takes --position-format f32 or f64");
+  if (client::is_quantized(format_of(options.settings.position_format)))
+    throw UsageError("--end-to-end takes --position-format f32 or f64");
   check_usage(options.settings.detection);
 }
 

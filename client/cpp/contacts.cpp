@@ -17,6 +17,21 @@ namespace {
 
 constexpr int kDataLoss = 15;
 
+static_assert(kColumnCount + 1 == v1::ContactField_ARRAYSIZE, "a field of contacts has no column");
+
+/// visit(name, bytes in the message, range in shared memory, array of each of `structs`) for each column.
+template <class Visit, class... Structs>
+void for_each_array(const v1::ContactChunk& chunk, const Visit& visit, Structs&... structs) {
+  const v1::SharedArrays& shared = chunk.shared();
+  visit("elements", chunk.elements(), shared.elements(), structs.elements...);
+  visit("stencils", chunk.stencils(), shared.stencils(), structs.stencils...);
+  visit("toi", chunk.toi(), shared.toi(), structs.toi...);
+  visit("distance", chunk.distance(), shared.distance(), structs.distance...);
+  visit("weights", chunk.weights(), shared.weights(), structs.weights...);
+  visit("normals", chunk.normals(), shared.normals(), structs.normals...);
+  visit("flags", chunk.flags(), shared.flags(), structs.flags...);
+}
+
 /// Arrays of one chunk, in the message or in shared memory.
 class Arrays {
  public:
@@ -24,7 +39,7 @@ class Arrays {
       : chunk_(chunk), transport_(transport), before_(contacts.count) {}
 
   template <class T>
-  void append(std::vector<T>& out, const std::string& own, const v1::SharedRange& range, const char* field) const {
+  void append(const char* field, const std::string& own, const v1::SharedRange& range, std::vector<T>& out) const {
     std::span<const std::byte> bytes = std::as_bytes(std::span(own));
     if (range.size() > 0 && transport_ != nullptr) bytes = transport_->shared(range);
     if (bytes.empty() && out.empty()) return;
@@ -58,9 +73,8 @@ void check_numbers(const Contacts& contacts, uint64_t first) {
     if (!(contacts.distance[i] >= 0))
       throw Error(kDataLoss,
                   "contacts.distance has " + std::to_string(contacts.distance[i]) + "; it must be 0 or more");
-  const bool is_bare = contacts.elements.empty() && contacts.stencils.empty() && contacts.toi.empty() &&
-                       contacts.distance.empty() && contacts.weights.empty() && contacts.normals.empty() &&
-                       contacts.flags.empty();
+  bool is_bare = true;
+  for_each_column([&](v1::ContactField, auto column) { is_bare &= (contacts.*column).empty(); });
   if (is_bare && contacts.count > kMaxBareCount)
     throw Error(kDataLoss, "contacts.count is " + std::to_string(contacts.count) +
                                " in all without any array; it must be " + "at most " + std::to_string(kMaxBareCount));
@@ -71,16 +85,14 @@ void check_numbers(const Contacts& contacts, uint64_t first) {
 void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransport* transport) {
   if (chunk.count() == 0) throw Error(kDataLoss, "contacts.count is 0; a chunk has 1 contact or more");
   const Arrays arrays(contacts, chunk, transport);
-  const v1::SharedArrays& shared = chunk.shared();
   const uint64_t before = contacts.count;
-  arrays.append(contacts.elements, chunk.elements(), shared.elements(), "elements");
-  arrays.append(contacts.stencils, chunk.stencils(), shared.stencils(), "stencils");
-  arrays.append(contacts.toi, chunk.toi(), shared.toi(), "toi");
-  arrays.append(contacts.distance, chunk.distance(), shared.distance(), "distance");
-  arrays.append(contacts.weights, chunk.weights(), shared.weights(), "weights");
-  arrays.append(contacts.normals, chunk.normals(), shared.normals(), "normals");
-  arrays.append(contacts.flags, chunk.flags(), shared.flags(), "flags");
-  arrays.append(contacts.worlds, chunk.worlds(), shared.worlds(), "worlds");
+  for_each_array(
+      chunk,
+      [&](const char* field, const std::string& own, const v1::SharedRange& range, auto& out) {
+        arrays.append(field, own, range, out);
+      },
+      contacts);
+  arrays.append("worlds", chunk.worlds(), chunk.shared().worlds(), contacts.worlds);
   contacts.count += chunk.count();
   check_numbers(contacts, before);
 }
@@ -113,11 +125,12 @@ void check_ids(v1::ContactKind kind, const Contacts& contacts, uint64_t first, c
 }
 
 DeviceContacts on_device(const v1::ContactChunk& chunk, uint64_t bytes) {
-  const v1::SharedArrays& shared = chunk.shared();
   DeviceContacts contacts;
   contacts.count = chunk.count();
-  const auto name = [&](DeviceArray& array, const v1::SharedRange& range, uint64_t width, const char* field) {
+  const auto name = [&](const char* field, const std::string&, const v1::SharedRange& range, DeviceArray& array,
+                        const auto& on_host) {
     array = {range.offset(), range.size()};
+    const uint64_t width = sizeof(on_host[0]);
     const bool fits = array.bytes <= bytes && array.offset <= bytes - array.bytes;
     if (array.bytes == 0 || (fits && array.bytes == contacts.count * width)) return;
     throw Error(kDataLoss,
@@ -125,13 +138,8 @@ DeviceContacts on_device(const v1::ContactChunk& chunk, uint64_t bytes) {
                     std::to_string(array.offset) + " for " + std::to_string(contacts.count) + " contacts; it needs " +
                     std::to_string(contacts.count * width) + ", and the output region has " + std::to_string(bytes));
   };
-  name(contacts.elements, shared.elements(), sizeof(Contacts{}.elements[0]), "elements");
-  name(contacts.stencils, shared.stencils(), sizeof(Contacts{}.stencils[0]), "stencils");
-  name(contacts.toi, shared.toi(), sizeof(Contacts{}.toi[0]), "toi");
-  name(contacts.distance, shared.distance(), sizeof(Contacts{}.distance[0]), "distance");
-  name(contacts.weights, shared.weights(), sizeof(Contacts{}.weights[0]), "weights");
-  name(contacts.normals, shared.normals(), sizeof(Contacts{}.normals[0]), "normals");
-  name(contacts.flags, shared.flags(), sizeof(Contacts{}.flags[0]), "flags");
+  const Contacts types;
+  for_each_array(chunk, name, contacts, types);
   return contacts;
 }
 

@@ -25,6 +25,25 @@ struct Contacts {
   std::vector<uint32_t> worlds;                   ///< in a stream of a set: each contact's world, ascending
 };
 
+/// visit(field, member of Contacts) for each array that a scene can ask for, in the order of v1::ContactField.
+template <class Visit>
+constexpr void for_each_column(const Visit& visit) {
+  visit(v1::CONTACT_FIELD_ELEMENTS, &Contacts::elements);
+  visit(v1::CONTACT_FIELD_STENCIL, &Contacts::stencils);
+  visit(v1::CONTACT_FIELD_TOI, &Contacts::toi);
+  visit(v1::CONTACT_FIELD_DISTANCE, &Contacts::distance);
+  visit(v1::CONTACT_FIELD_WEIGHTS, &Contacts::weights);
+  visit(v1::CONTACT_FIELD_NORMAL, &Contacts::normals);
+  visit(v1::CONTACT_FIELD_FLAGS, &Contacts::flags);
+}
+
+/// The number of these arrays.
+constexpr int kColumnCount = [] {
+  int count = 0;
+  for_each_column([&](v1::ContactField, auto) { ++count; });
+  return count;
+}();
+
 /// An array in memory of the device: so many bytes, `offset` bytes from the start of that memory. No bytes: there is
 /// none.
 struct DeviceArray {

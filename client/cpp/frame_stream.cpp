@@ -52,21 +52,7 @@ std::span<std::byte> FrameStream::input(uint64_t bytes) {
 void FrameStream::send(const v1::Frame& frame) { state_->send(frame, {}); }
 
 void FrameStream::send(uint64_t frame_id, std::span<const FrameUpdate> updates, const FrameOptions& options) {
-  v1::Frame head;
-  head.set_frame_id(frame_id);
-  head.set_mode(options.mode);
-  head.set_accuracy(options.accuracy);
-  if (options.delta) head.set_delta(*options.delta);
-  head.set_report(options.report);
-  head.set_ignore_separating(options.ignore_separating);
-  head.set_advance(options.advance);
-  head.set_advance_mode(options.advance_mode);
-  head.set_trial(options.trial);
-  if (options.from_last_fraction) head.set_from_last_fraction(*options.from_last_fraction);
-  if (options.edit) *head.mutable_edit() = *options.edit;
-  head.mutable_worlds()->Assign(options.worlds.begin(), options.worlds.end());
-  head.mutable_meshes()->Assign(options.meshes.begin(), options.meshes.end());
-  state_->send(head, updates);
+  state_->send(frame_head(frame_id, options), updates);
 }
 
 FrameOutput FrameStream::receive() {

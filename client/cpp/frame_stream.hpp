@@ -10,6 +10,7 @@
 #include "client/cpp/contacts.hpp"
 #include "client/cpp/error.hpp"
 #include "client/cpp/frame_advance.hpp"
+#include "client/cpp/frame_options.hpp"
 #include "client/cpp/frame_update.hpp"
 #include "client/cpp/positions.hpp"
 #include "collided/v1/collision_service.pb.h"
@@ -35,22 +36,6 @@ struct FrameOutput : PerKind<Contacts> {
 
   /// Throws Error if the frame was refused.
   void check() const;
-};
-
-/// Settings of one frame; those that are not set are the scene's.
-struct FrameOptions {
-  v1::DetectionMode mode = v1::DETECTION_MODE_UNSPECIFIED;
-  v1::Accuracy accuracy = v1::ACCURACY_UNSPECIFIED;
-  std::optional<double> delta = {};
-  v1::Report report = v1::REPORT_UNSPECIFIED;
-  bool ignore_separating = false;
-  bool advance = false;
-  v1::AdvanceMode advance_mode = v1::ADVANCE_MODE_UNSPECIFIED;  ///< with `advance` alone
-  bool trial = false;
-  std::optional<double> from_last_fraction = {};
-  std::optional<v1::SceneEdit> edit = {};  ///< of edited_mesh() and removed_mesh(), and of pairs of meshes
-  /// Of a set, whose frames have one update, as SetUpdate has it (client/cpp/batch/scene_set.hpp).
-  std::vector<uint32_t> worlds = {}, meshes = {};
 };
 
 /// The keeper is a stream's own thread, which reads while no caller waits, so that answers keep flowing and the

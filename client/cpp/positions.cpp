@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 
 #include "client/cpp/error.hpp"
 
@@ -15,9 +16,31 @@ namespace {
 
 constexpr int kInvalidArgument = 3;
 
+/// Describes a format.
+struct FormatRow {
+  v1::PositionFormat format;
+  uint64_t bytes;  ///< of one vertex's position
+  bool is_double, is_quantized;
+};
+
+constexpr FormatRow kFormats[] = {
+    {v1::POSITION_FORMAT_UNSPECIFIED, 3 * sizeof(float), false, false},  // F32
+    {v1::POSITION_FORMAT_F32, 3 * sizeof(float), false, false},
+    {v1::POSITION_FORMAT_F64, 3 * sizeof(double), true, false},
+    {v1::POSITION_FORMAT_Q16, 3 * sizeof(uint16_t), false, true},
+};
+static_assert(std::size(kFormats) == v1::PositionFormat_ARRAYSIZE, "a format of positions has no row");
+
+/// Null for a format of a later protocol.
+const FormatRow* row_of(v1::PositionFormat format) {
+  const auto* const row = std::find_if(std::begin(kFormats), std::end(kFormats),
+                                       [&](const FormatRow& known) { return known.format == format; });
+  return row == std::end(kFormats) ? nullptr : row;
+}
+
 [[noreturn]] void refuse(v1::PositionFormat format) {
   throw Error(kInvalidArgument, "position format " + std::to_string(format) + " is not F32 or F64" +
-                                    (format == v1::POSITION_FORMAT_Q16 ? "; pack_quantized is for Q16" : ""));
+                                    (is_quantized(format) ? "; pack_quantized is for Q16" : ""));
 }
 
 std::string pack_f32(Positions positions) {
@@ -112,6 +135,15 @@ std::array<Axis, 3> axes_of(const v1::QuantizationBox& box) {
   return axes;
 }
 
+template <class Pack>
+v1::MeshUpdate update_of(uint32_t mesh, Positions positions, Positions start, const Pack& pack) {
+  v1::MeshUpdate update;
+  update.set_mesh(mesh);
+  update.set_positions(pack(positions));
+  if (!start.empty()) update.set_start_positions(pack(start));
+  return update;
+}
+
 std::string bytes_of(const RigidMatrix& matrix) {
   return {reinterpret_cast<const char*>(matrix.data()), sizeof(matrix)};
 }
@@ -173,37 +205,35 @@ void move_along(std::span<double> positions, std::span<const double> target, con
 }
 
 uint64_t position_bytes(v1::PositionFormat format) {
-  switch (format) {
-    case v1::POSITION_FORMAT_UNSPECIFIED:
-    case v1::POSITION_FORMAT_F32:
-      return 3 * sizeof(float);
-    case v1::POSITION_FORMAT_F64:
-      return 3 * sizeof(double);
-    case v1::POSITION_FORMAT_Q16:
-      return 3 * sizeof(uint16_t);
-    default:
-      refuse(format);
-  }
+  const FormatRow* const row = row_of(format);
+  if (!row) refuse(format);
+  return row->bytes;
+}
+
+bool is_double(v1::PositionFormat format) {
+  const FormatRow* const row = row_of(format);
+  return row && row->is_double;
+}
+
+bool is_quantized(v1::PositionFormat format) {
+  const FormatRow* const row = row_of(format);
+  return row && row->is_quantized;
 }
 
 std::string pack_positions(Positions positions, v1::PositionFormat format) {
-  switch (format) {
-    case v1::POSITION_FORMAT_UNSPECIFIED:
-    case v1::POSITION_FORMAT_F32:
-      return pack_f32(positions);
-    case v1::POSITION_FORMAT_F64:
-      return {reinterpret_cast<const char*>(positions.data()), positions.size_bytes()};
-    default:
-      refuse(format);
-  }
+  const FormatRow* const row = row_of(format);
+  if (!row || row->is_quantized) refuse(format);
+  return row->is_double ? std::string(reinterpret_cast<const char*>(positions.data()), positions.size_bytes())
+                        : pack_f32(positions);
 }
 
 v1::MeshUpdate mesh_update(uint32_t mesh, v1::PositionFormat format, Positions positions, Positions start) {
-  v1::MeshUpdate update;
-  update.set_mesh(mesh);
-  update.set_positions(pack_positions(positions, format));
-  if (!start.empty()) update.set_start_positions(pack_positions(start, format));
-  return update;
+  return update_of(mesh, positions, start, [&](Positions some) { return pack_positions(some, format); });
+}
+v1::MeshUpdate mesh_update(uint32_t mesh, const v1::SceneSpec& spec, Positions positions, Positions start) {
+  if (!is_quantized(spec.position_format())) return mesh_update(mesh, spec.position_format(), positions, start);
+  return update_of(mesh, positions, start,
+                   [&](Positions some) { return pack_quantized(some, spec.quantization_box()); });
 }
 
 }  // namespace collided::client

@@ -9,6 +9,7 @@
 #include "client/cpp/frame_advance.hpp"
 #include "client/cpp/frame_update.hpp"
 #include "collided/v1/frame.pb.h"
+#include "collided/v1/scene.pb.h"
 
 namespace collided::client {
 
@@ -18,6 +19,12 @@ using Positions = std::span<const std::array<double, 3>>;
 /// Bytes of one vertex's position: 12 (F32), 24 (F64) or 6 (Q16). Throws Error (INVALID_ARGUMENT) for other formats.
 uint64_t position_bytes(v1::PositionFormat format);
 
+/// True if the daemon computes with the positions as doubles, and shows them as such to watchers; false: as floats.
+bool is_double(v1::PositionFormat format);
+
+/// True if positions are encoded in the box of the scene's spec, so that most points between two of them have no code.
+bool is_quantized(v1::PositionFormat format);
+
 /// Packs as F32 (rounded to nearest) or F64. Throws Error (INVALID_ARGUMENT) for other formats.
 std::string pack_positions(Positions positions, v1::PositionFormat format);
 
@@ -25,8 +32,10 @@ std::string pack_positions(Positions positions, v1::PositionFormat format);
 /// three finite coordinates each, or a position that is not in it.
 std::string pack_quantized(Positions positions, const v1::QuantizationBox& box);
 
-/// The update of one mesh; `start` (t = 0, for CCD) may be empty.
+/// The update of one mesh; `start` (t = 0, for CCD) may be empty. Throws Error as pack_positions().
 v1::MeshUpdate mesh_update(uint32_t mesh, v1::PositionFormat format, Positions positions, Positions start = {});
+/// The same in the format of the spec, and in its box. Throws Error as pack_positions() and pack_quantized().
+v1::MeshUpdate mesh_update(uint32_t mesh, const v1::SceneSpec& spec, Positions positions, Positions start = {});
 
 /// The update that moves a rigid mesh to a pose (t = 1), as FrameUpdate::transform does.
 v1::MeshUpdate rigid_update(uint32_t mesh, const RigidMatrix& matrix);

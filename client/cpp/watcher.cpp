@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/cpp/frame_stream_state.hpp"
+#include "client/cpp/positions.hpp"
 #include "client/cpp/transport/features.hpp"
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "collided/v1/collision_service.grpc.pb.h"
@@ -28,7 +29,7 @@ v1::WatchSceneRequest request_of(const std::string& scene_id, const WatchOptions
 }
 
 void check_positions(const v1::WatchSceneResponse& response, const v1::Scene& scene) {
-  const size_t bytes = scene.spec().position_format() == v1::POSITION_FORMAT_F64 ? 24 : 12;
+  const size_t bytes = 3 * (is_double(scene.spec().position_format()) ? sizeof(double) : sizeof(float));
   for (const v1::VertexSample& sample : response.positions())
     if (sample.positions().size() % bytes != 0 || sample.mesh() >= static_cast<uint32_t>(scene.spec().meshes_size()))
       throw Error(kDataLoss, "positions of mesh " + std::to_string(sample.mesh()) + " has " +

@@ -75,12 +75,13 @@ func (c *Contacts) add(chunk *v1.ContactChunk) error {
 	if r.err != nil {
 		return r.err
 	}
-	return c.check(r.before)
+	return c.check(r.before, r.hasArray)
 }
 
-// reader remembers the first array of a chunk that is not as long as it has to be.
+// reader remembers whether the contacts have an array, and the first one of a chunk that is not as long as it has to be.
 type reader struct {
 	before, count int
+	hasArray      bool
 	err           error
 }
 
@@ -93,6 +94,7 @@ func read[T any](r *reader, field string, out []T, bytes []byte, width int, entr
 			field, len(bytes), r.count, r.count*width)
 		return out
 	}
+	r.hasArray = true
 	for at := 0; at < len(bytes); at += width {
 		out = append(out, entry(bytes[at:at+width]))
 	}

@@ -82,7 +82,7 @@ func checkDone(done *v1.FrameDone) error {
 func isFraction(value float64) bool { return value >= 0 && value <= 1 }
 
 // check checks the times and distances from the first contact on, and a count that no array confirms.
-func (c *Contacts) check(first int) error {
+func (c *Contacts) check(first int, hasArray bool) error {
 	for i := first; i < len(c.TOI); i++ {
 		if !isFraction(c.TOI[i]) {
 			return failf(codes.DataLoss, "", "contacts.toi has %v; it must be in [0, 1]", c.TOI[i])
@@ -93,8 +93,7 @@ func (c *Contacts) check(first int) error {
 			return failf(codes.DataLoss, "", "contacts.distance has %v; it must be 0 or more", c.Distance[i])
 		}
 	}
-	arrays := len(c.Elements) + len(c.Stencils) + len(c.TOI) + len(c.Distance) + len(c.Weights) + len(c.Normals) + len(c.Flags)
-	if arrays == 0 && c.Count > maxBare {
+	if !hasArray && c.Count > maxBare {
 		return failf(codes.DataLoss, "", "contacts.count is %d in all without any array; it must be at most %d", c.Count, maxBare)
 	}
 	return nil

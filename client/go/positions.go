@@ -88,6 +88,32 @@ func packPositions(positions Positions, format v1.PositionFormat, field string) 
 	return positions.pack(), nil
 }
 
+// shownBytes is how many bytes a vertex's position has where the daemon shows it: F64 as such, and all other formats as F32.
+func shownBytes(format v1.PositionFormat) int {
+	if format == FormatF64 {
+		return 24
+	}
+	return 12
+}
+
+// unpackPositions has the positions that the daemon shows of a scene with positions of format.
+func unpackPositions(bytes []byte, format v1.PositionFormat) Positions {
+	if format == FormatF64 {
+		positions := make(F64, len(bytes)/24)
+		for i := range positions {
+			for k := range positions[i] {
+				positions[i][k] = math.Float64frombits(binary.LittleEndian.Uint64(bytes[24*i+8*k:]))
+			}
+		}
+		return positions
+	}
+	positions := make(F32, len(bytes)/12)
+	for i := range positions {
+		positions[i] = threeFloat32s(bytes[12*i:])
+	}
+	return positions
+}
+
 // MoveAlong moves positions in place the fraction of the way to target that the daemon moved them: Done.Advanced, or a
 // frame's FromLastFraction. Every bit is the daemon's; client/STEPPING.md has the formula. InvalidArgument if there are
 // not as many of one as of the other, or the fraction is not from 0 to 1.

@@ -2,8 +2,6 @@ package collided
 
 import (
 	"context"
-	"encoding/binary"
-	"math"
 	"time"
 
 	"google.golang.org/grpc"
@@ -132,10 +130,7 @@ func (w *Watcher) Receive() (*WatchedFrame, error) {
 }
 
 func (w *Watcher) checkSample(sample *v1.VertexSample) error {
-	width, meshes := 12, len(w.Scene().GetSpec().GetMeshes())
-	if w.Scene().GetSpec().GetPositionFormat() == FormatF64 {
-		width = 24
-	}
+	width, meshes := shownBytes(w.Scene().GetSpec().GetPositionFormat()), len(w.Scene().GetSpec().GetMeshes())
 	if len(sample.Positions)%width != 0 || int64(sample.Mesh) >= int64(meshes) {
 		return failf(codes.DataLoss, "", "positions of mesh %d has %d bytes; the scene has %d meshes, of %d bytes for a vertex",
 			sample.Mesh, len(sample.Positions), meshes, width)
@@ -147,21 +142,4 @@ func (w *Watcher) checkSample(sample *v1.VertexSample) error {
 func (w *Watcher) Close() {
 	w.cancel()
 	w.connection.Close()
-}
-
-func unpackPositions(bytes []byte, format v1.PositionFormat) Positions {
-	if format == FormatF64 {
-		positions := make(F64, len(bytes)/24)
-		for i := range positions {
-			for k := range positions[i] {
-				positions[i][k] = math.Float64frombits(binary.LittleEndian.Uint64(bytes[24*i+8*k:]))
-			}
-		}
-		return positions
-	}
-	positions := make(F32, len(bytes)/12)
-	for i := range positions {
-		positions[i] = threeFloat32s(bytes[12*i:])
-	}
-	return positions
 }

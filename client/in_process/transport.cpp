@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "client/cpp/transport/frame_options.hpp"
+#include "client/cpp/frame_options.hpp"
 #include "client/in_process/daemon.hpp"
 #include "client/in_process/failure.hpp"
 
@@ -39,7 +39,7 @@ class InProcessTransport final : public FrameTransport {
     if (frame.updates_size() > 0)
       lent.message = frame;
     else
-      copy_options(frame, lent.message);
+      copy_head(frame, lent.message);
     for (const FrameUpdate& update : updates) {
       add(update, *lent.message.add_updates());
       lent.arrays.push_back({update.start_positions, update.positions, update.indices});

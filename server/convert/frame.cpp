@@ -37,7 +37,7 @@ MeshPositions parse_update(const pb::MeshUpdate& update, const PlacedPositions& 
 
 AdvanceMode advance_mode_of(const pb::Frame& frame) {
   constexpr auto kField = "frame.advance_mode";
-  const AdvanceMode mode = parse_advance_mode(frame.advance_mode(), kField);
+  const AdvanceMode mode = parse<AdvanceMode>(frame.advance_mode(), kField).value_or(AdvanceMode::kAllOrOne);
   if (frame.advance_mode() != pb::ADVANCE_MODE_UNSPECIFIED && !frame.advance())
     throw_invalid(kField, fmt::format("is {}, but frame.advance is false", pb::AdvanceMode_Name(frame.advance_mode())));
   return mode;
@@ -60,9 +60,9 @@ void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
 FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> placed, const SceneSpec& scene) {
   FrameInput input;
   if (frame.mode() != pb::DETECTION_MODE_UNSPECIFIED) input.mode = parse_mode(frame.mode(), "frame.mode");
-  input.accuracy = parse_accuracy(frame.accuracy(), "frame.accuracy");
+  input.accuracy = parse<Accuracy>(frame.accuracy(), "frame.accuracy");
   if (frame.has_delta()) input.delta = frame.delta();
-  input.report = parse_report(frame.report(), "frame.report");
+  input.report = parse<Report>(frame.report(), "frame.report");
   input.ignore_separating = frame.ignore_separating();
   input.advance = frame.advance();
   input.advance_mode = advance_mode_of(frame);

@@ -128,7 +128,7 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
   check_vertex_count(mesh, path);
   MeshSpec out;
   out.vertex_count = mesh.vertex_count();
-  out.motion = parse_motion(mesh.motion(), path + ".motion");
+  out.motion = parse<MeshMotion>(mesh.motion(), path + ".motion").value_or(MeshMotion::kDeformable);
   out.groups = mesh.groups() ? mesh.groups() : 1;
   out.collide_mask = mesh.collide_mask() ? mesh.collide_mask() : ~0u;
   out.self_contacts = !mesh.no_self_contacts();

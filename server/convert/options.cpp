@@ -77,6 +77,14 @@ constexpr std::pair<pb::ContactField, std::optional<ContactField>> kFields[] = {
     {pb::CONTACT_FIELD_WEIGHTS, ContactField::kWeights},   {pb::CONTACT_FIELD_NORMAL, ContactField::kNormals},
     {pb::CONTACT_FIELD_FLAGS, ContactField::kFlags}};
 
+// The rows of each enum that is parsed.
+constexpr const auto& rows_of(Accuracy) { return kAccuracies; }
+constexpr const auto& rows_of(AdvanceMode) { return kAdvanceModes; }
+constexpr const auto& rows_of(Engine) { return kEngines; }
+constexpr const auto& rows_of(MeshMotion) { return kMotions; }
+constexpr const auto& rows_of(Report) { return kReports; }
+constexpr const auto& rows_of(Reuse) { return kReuses; }
+
 template <class Message, class Value, size_t N>
 Value find_in(const std::pair<Message, Value> (&values)[N], Message wanted, const std::string& field) {
   for (const auto& [message, value] : values)
@@ -138,11 +146,34 @@ OptionPath path_in(const pb::SceneSpec& spec, const std::string& option) {
   return {field, field + ", CONTACT_KIND_TRIANGLE_TRIANGLE,"};
 }
 
-// A report or a kind is refused for the mode or the accuracy, whose values the engine does not tell.
-std::string context_of(const std::string& option, const std::string& mode, const std::string& accuracy) {
-  if (option != "report" && option != "triangle_triangle" && option != "advance" && option != "ignore_separating")
-    return {};
-  return fmt::format("; {} and {}", mode, accuracy);
+constexpr bool always(const FrameInput&) { return true; }
+constexpr bool never(const FrameInput&) { return false; }
+
+// An option that a frame has or overrides, or that its mode or its accuracy decides about, as the engine names it.
+struct OptionRow {
+  std::string_view name;
+  bool (*is_frames)(const FrameInput&);  // whether the frame's own value is refused; else its accuracy does not fit
+  bool is_of_both;                       // refused for the mode or the accuracy, whose values the engine does not tell
+};
+constexpr OptionRow kOptions[] = {
+    {"mode", always, false},
+    {"delta", [](const FrameInput& frame) { return frame.delta.has_value(); }, false},
+    {"report", [](const FrameInput& frame) { return frame.report.has_value(); }, true},
+    {"triangle_triangle", never, true},
+    {"ignore_separating", always, true},
+    {"advance", always, true},
+    {"start_fraction", always, false},
+};
+
+// Options without a row are the scene's alone.
+OptionRow row_of(const std::string& option) {
+  const auto* const row = std::find_if(std::begin(kOptions), std::end(kOptions),
+                                       [&](const OptionRow& known) { return known.name == option; });
+  return row == std::end(kOptions) ? OptionRow{option, never, false} : *row;
+}
+
+std::string context_of(const OptionRow& option, const std::string& mode, const std::string& accuracy) {
+  return option.is_of_both ? fmt::format("; {} and {}", mode, accuracy) : std::string();
 }
 
 }  // namespace
@@ -150,33 +181,20 @@ std::string context_of(const std::string& option, const std::string& mode, const
 Mode parse_mode(pb::DetectionMode mode, const std::string& field) { return find_in(kModes, mode, field); }
 pb::DetectionMode to_message(Mode mode) { return from_engine(kModes, mode); }
 
-std::optional<Accuracy> parse_accuracy(pb::Accuracy accuracy, const std::string& field) {
-  return to_engine(kAccuracies, accuracy, field);
+template <class Value, class Message>
+std::optional<Value> parse(Message message, const std::string& field) {
+  return to_engine(rows_of(Value{}), message, field);
 }
+template std::optional<Accuracy> parse(pb::Accuracy, const std::string&);
+template std::optional<AdvanceMode> parse(pb::AdvanceMode, const std::string&);
+template std::optional<Engine> parse(pb::BroadPhaseEngine, const std::string&);
+template std::optional<MeshMotion> parse(pb::MeshMotion, const std::string&);
+template std::optional<Report> parse(pb::Report, const std::string&);
+template std::optional<Reuse> parse(pb::Reuse, const std::string&);
 
 void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& field) {
   if (accuracy <= max) return;
   throw LimitExceeded(field, fmt::format("{} is {}, above max_accuracy, {}", field, name_of(accuracy), name_of(max)));
-}
-
-std::optional<Report> parse_report(pb::Report report, const std::string& field) {
-  return to_engine(kReports, report, field);
-}
-
-AdvanceMode parse_advance_mode(pb::AdvanceMode mode, const std::string& field) {
-  return to_engine(kAdvanceModes, mode, field).value_or(AdvanceMode::kAllOrOne);
-}
-
-Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field) {
-  return to_engine(kEngines, engine, field).value_or(Engine::kAuto);
-}
-
-Reuse parse_reuse(pb::Reuse reuse, const std::string& field) {
-  return to_engine(kReuses, reuse, field).value_or(Reuse::kAuto);
-}
-
-MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field) {
-  return to_engine(kMotions, motion, field).value_or(MeshMotion::kDeformable);
 }
 
 void parse_format(const pb::SceneSpec& spec, SceneSpec& engine) {
@@ -239,17 +257,16 @@ void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec) try
 } catch (const InvalidInput& e) {
   const OptionPath path = path_in(spec, e.field());
   const std::string accuracy = "spec.accuracy is " + name_of(engine.accuracy);
-  throw InvalidInput(path.field,
-                     renamed(e, path.shown) + context_of(e.field(), "spec.mode is " + name_of(engine.mode), accuracy));
+  throw InvalidInput(path.field, renamed(e, path.shown) +
+                                     context_of(row_of(e.field()), "spec.mode is " + name_of(engine.mode), accuracy));
 }
 
 // The scene's own options are sound: unless the frame overrides the refused one, its accuracy is what does not fit.
 void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
   check_options_of_frame(scene, frame);
 } catch (const InvalidInput& e) {
-  const bool is_own = (e.field() == "report" && frame.report) || (e.field() == "delta" && frame.delta) ||
-                      e.field() == "advance" || e.field() == "ignore_separating" || e.field() == "start_fraction" ||
-                      e.field() == "mode";
+  const OptionRow refused = row_of(e.field());
+  const bool is_own = refused.is_frames(frame);
   const bool is_mode = !is_own && frame.mode && !frame.accuracy;
   const std::string field = is_own ? frame_path(e.field()) : is_mode ? "frame.mode" : "frame.accuracy";
   const std::string value = name_of(frame.accuracy.value_or(scene.accuracy));
@@ -260,7 +277,7 @@ void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
                        fmt::format("{} is {}: {}", field, is_mode ? name_of(*frame.mode) : value, renamed(e, option)));
   const std::string accuracy = fmt::format("{}.accuracy is {}", frame.accuracy ? "frame" : "spec", value);
   const std::string mode = frame.mode ? "frame.mode is " + name_of(*frame.mode) : "spec.mode is " + name_of(scene.mode);
-  throw InvalidInput(field, renamed(e, field) + context_of(e.field(), mode, accuracy));
+  throw InvalidInput(field, renamed(e, field) + context_of(refused, mode, accuracy));
 }
 
 }  // namespace collided::server

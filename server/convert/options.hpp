@@ -20,24 +20,13 @@ namespace pb = collided::v1;
 Mode parse_mode(pb::DetectionMode mode, const std::string& field);
 pb::DetectionMode to_message(Mode mode);
 
-/// Nothing for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
-std::optional<Accuracy> parse_accuracy(pb::Accuracy accuracy, const std::string& field);
-std::optional<Report> parse_report(pb::Report report, const std::string& field);
+/// The engine's value: of Accuracy, Report, AdvanceMode, Engine, Reuse and MeshMotion. Nothing for an unspecified one.
+/// Throws InvalidInput, naming `field`, for an unknown one.
+template <class Value, class Message>
+std::optional<Value> parse(Message message, const std::string& field);
 
 /// Throws LimitExceeded, naming `field`, for an accuracy above the highest that a client may ask for.
 void check_max_accuracy(Accuracy accuracy, Accuracy max, const std::string& field);
-
-/// kAllOrOne for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
-AdvanceMode parse_advance_mode(pb::AdvanceMode mode, const std::string& field);
-
-/// kAuto for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
-Engine parse_engine(pb::BroadPhaseEngine engine, const std::string& field);
-
-/// The same for lists of neighbours.
-Reuse parse_reuse(pb::Reuse reuse, const std::string& field);
-
-/// kDeformable for an unspecified value. Throws InvalidInput, naming `field`, for an unknown one.
-MeshMotion parse_motion(pb::MeshMotion motion, const std::string& field);
 
 /// The fields that the scene asks for, or those that it gets if it asks for none. Throws InvalidInput.
 OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode);

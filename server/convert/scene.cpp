@@ -168,7 +168,7 @@ double parse_lease(double seconds, const Limits& limits) {
 
 // By default CERTIFIED, or the highest that the client may have.
 Accuracy parse_scene_accuracy(pb::Accuracy wanted, Accuracy max) {
-  const auto asked = parse_accuracy(wanted, "spec.accuracy");
+  const auto asked = parse<Accuracy>(wanted, "spec.accuracy");
   if (asked) check_max_accuracy(*asked, max, "spec.accuracy");
   return asked.value_or(std::min(Accuracy::kCertified, max));
 }
@@ -212,9 +212,9 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults, u
   engine.delta = spec.delta();
   engine.min_separation = spec.min_separation();
   engine.rest_distance = spec.rest_distance();
-  engine.report = parse_report(spec.report(), "spec.report").value_or(Report::kAll);
-  engine.engine = parse_engine(spec.broad_phase_engine(), "spec.broad_phase_engine");
-  engine.reuse = parse_reuse(spec.reuse(), "spec.reuse");
+  engine.report = parse<Report>(spec.report(), "spec.report").value_or(Report::kAll);
+  engine.engine = parse<Engine>(spec.broad_phase_engine(), "spec.broad_phase_engine").value_or(Engine::kAuto);
+  engine.reuse = parse<Reuse>(spec.reuse(), "spec.reuse").value_or(Reuse::kAuto);
   engine.worlds = worlds;
   engine.part_devices = parse_part_devices(spec, defaults);
   engine.expected[ListLengths::kContacts] = parse_expected_contacts(spec.expected_contacts());

@@ -34,7 +34,7 @@ Failure tell_refused(const Scene& scene, uint64_t frame_id, const std::exception
 }
 
 void tell_skipped(const Scene& scene, uint64_t frame_id, const CallIds& ids) {
-  scene.observer().skipped(scene, frame_id);
+  scene.observer().counted(scene, CounterId::kSkippedFrames, 1);
   log_event(spdlog::level::debug, "frame skipped",
             {{"scene", scene.id()}, {"frame", frame_id}, {"request", ids.request_id}, {"trace", ids.trace_id}});
 }

@@ -46,11 +46,7 @@ void ServiceObserver::refused(const Scene&, uint64_t, const std::exception_ptr& 
   metrics_.count_rejected(code_name(describe(error).code));
 }
 
-void ServiceObserver::skipped(const Scene&, uint64_t) { metrics_.count_skipped(); }
-
-void ServiceObserver::not_shown(const Scene&, uint64_t frames) { metrics_.count_not_shown(frames); }
-
-void ServiceObserver::resumed(const Scene&) { metrics_.count_reconnect(); }
+void ServiceObserver::counted(const Scene&, CounterId id, uint64_t times) { metrics_.count(id, times); }
 
 void ServiceObserver::expired(const Scene& scene) {
   log_event(spdlog::level::info, "scene deleted: its lease ran out",

@@ -15,9 +15,7 @@ class ServiceObserver final : public SceneObserver {
 
   void answered(const Scene& scene, const AnsweredFrame& frame) override;
   void refused(const Scene& scene, uint64_t frame_id, const std::exception_ptr& error) override;
-  void skipped(const Scene& scene, uint64_t frame_id) override;
-  void not_shown(const Scene& scene, uint64_t frames) override;
-  void resumed(const Scene& scene) override;
+  void counted(const Scene& scene, CounterId id, uint64_t times) override;
   void expired(const Scene& scene) override;
   /// Ends the daemon if the device no longer responds.
   void device_failed(const Scene& scene, const std::string& why) override;

@@ -60,7 +60,7 @@ std::shared_ptr<FrameSession> FrameSession::open(SceneUse scene, const std::stri
   if (before)
     before->end(std::make_exception_ptr(
         TakenOver("open.scene_id", "open.scene_id: another stream took over scene " + session->scene().id())));
-  if (!resume_token.empty()) session->scene().observer().resumed(session->scene());
+  if (!resume_token.empty()) session->scene().observer().counted(session->scene(), CounterId::kReconnects, 1);
   session->post([own = session.get()] {
     if (const auto sink = own->sink()) sink->opened(own->scene());
   });

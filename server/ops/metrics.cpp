@@ -38,8 +38,15 @@ Family<Counter>& counters(Registry& registry, const char* name, const char* help
   return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
 }
 
-Counter& counter(Registry& registry, const char* name, const char* help) {
-  return counters(registry, name, help).Add({});
+std::vector<Counter*> unlabelled(Registry& registry) {
+  std::vector<Counter*> out;
+  for (const CounterRow& row : kCounters) out.push_back(&counters(registry, row.name, row.help).Add({}));
+  return out;
+}
+
+/// Counts what is counted elsewhere, whose total may only grow.
+void raise_to(Counter& counter, double total) {
+  if (const double more = total - counter.Value(); more > 0) counter.Increment(more);
 }
 
 Family<Histogram>& histograms(Registry& registry, const char* name, const char* help) {
@@ -117,10 +124,11 @@ struct Metrics::Families {
 
   void set_gauges_now() const;
   void set_gauges_of(const DeviceGauges& device) const;
+  Counter& of(CounterId id) const { return *counts[static_cast<size_t>(id)]; }
+  void raise(CounterId id, double total) const { raise_to(of(id), total); }
 
   Registry registry;
-  Counter &frames, &contacts, &bytes_in, &bytes_out, &skipped, &not_shown, &replays, &reconnects, &dropped_lines,
-      &reset_floods, &evicted;
+  const std::vector<Counter*> counts;  ///< by CounterId
   Histogram& frame_seconds;
   Gauge &scenes, &streams, &watchers, &calls_in_work, &device_bytes, &queued_frames, &outgoing_bytes, &connections;
   Gauge &max_scenes, &max_streams, &max_device_bytes, &ready;
@@ -142,21 +150,7 @@ struct Metrics::Families {
 };
 
 Metrics::Families::Families()
-    : frames(counter(registry, "collided_frames_total", "Frames that were answered")),
-      contacts(counter(registry, "collided_contacts_total", "Contacts that were reported")),
-      bytes_in(counter(registry, "collided_received_bytes_total", "Bytes of positions and indices in frames")),
-      bytes_out(
-          counter(registry, "collided_sent_bytes_total", "Bytes of arrays in answers: contacts and shortened ways")),
-      skipped(counter(registry, "collided_skipped_frames_total", "Frames skipped by LATEST_WINS")),
-      not_shown(counter(registry, "collided_watch_skipped_frames_total",
-                        "Frames that were not sent to a watcher, once for each watcher")),
-      replays(counter(registry, "collided_replays_total", "Runs repeated because a buffer was too small")),
-      reconnects(counter(registry, "collided_reconnects_total", "Streams opened with a resume token")),
-      dropped_lines(counter(registry, "collided_dropped_log_lines_total", "Dropped log lines")),
-      reset_floods(counter(registry, "collided_reset_floods_total",
-                           "Connections ended because their clients reset too many calls")),
-      evicted(counter(registry, "collided_evicted_connections_total",
-                      "Connections evicted to make room for new ones, or ended by a limit of a connection")),
+    : counts(unlabelled(registry)),
       frame_seconds(
           histograms(registry, "collided_frame_seconds", "Time of a frame from its arrival to its last answer")
               .Add({}, buckets())),
@@ -232,11 +226,11 @@ void Metrics::Families::set_gauges_now() const {
   max_device_bytes.Set(static_cast<double>(now.max_device_bytes));
   ready.Set(now.is_ready ? 1 : 0);
   for (const DeviceGauges& device : now.devices) set_gauges_of(device);
-  if (const auto more = static_cast<double>(now.evicted) - evicted.Value(); more > 0) evicted.Increment(more);
+  raise(CounterId::kEvictedConnections, static_cast<double>(now.evicted));
   heap_bytes.Set(process_heap_bytes());
   resident_bytes.Set(process_resident_bytes());
   open_files.Set(process_open_files());
-  dropped_lines.Increment(static_cast<double>(dropped_log_lines()) - dropped_lines.Value());
+  raise(CounterId::kDroppedLogLines, static_cast<double>(dropped_log_lines()));
 }
 
 void Metrics::Families::set_gauges_of(const DeviceGauges& device) const {
@@ -246,8 +240,7 @@ void Metrics::Families::set_gauges_of(const DeviceGauges& device) const {
   device_max_bytes.Add(labels).Set(static_cast<double>(device.max_bytes));
   device_free_bytes.Add(labels).Set(static_cast<double>(device.free_bytes));
   device_waiting_frames.Add(labels).Set(static_cast<double>(device.waiting_frames));
-  Counter& busy = device_busy_seconds.Add(labels);
-  if (const double more = device.busy_seconds - busy.Value(); more > 0) busy.Increment(more);
+  raise_to(device_busy_seconds.Add(labels), device.busy_seconds);
 }
 
 Metrics::Metrics() : families_(std::make_unique<Families>()) {}
@@ -260,23 +253,19 @@ void Metrics::observe_phase(Phase phase, double seconds) {
 void Metrics::observe_stage(std::string_view stage, double seconds) { families_->stages.at(stage).Observe(seconds); }
 
 void Metrics::count_frame(const FrameTotals& frame) {
-  families_->frames.Increment();
   families_->frame_seconds.Observe(frame.seconds);
-  families_->contacts.Increment(static_cast<double>(frame.contacts));
-  families_->bytes_in.Increment(static_cast<double>(frame.bytes_in));
-  families_->bytes_out.Increment(static_cast<double>(frame.bytes_out));
-  families_->replays.Increment(static_cast<double>(frame.replays));
+  count(CounterId::kFrames);
+  count(CounterId::kContacts, frame.contacts);
+  count(CounterId::kReceivedBytes, frame.bytes_in);
+  count(CounterId::kSentBytes, frame.bytes_out);
+  count(CounterId::kReplays, frame.replays);
 }
 
 void Metrics::count_engine(std::string_view engine, std::string_view reason) {
   families_->engines.at(engine, reason).Increment();
 }
-void Metrics::count_skipped(uint64_t frames) { families_->skipped.Increment(static_cast<double>(frames)); }
-void Metrics::count_not_shown(uint64_t frames) { families_->not_shown.Increment(static_cast<double>(frames)); }
+void Metrics::count(CounterId id, uint64_t times) { families_->of(id).Increment(static_cast<double>(times)); }
 void Metrics::count_rejected(std::string_view reason) { families_->rejected.at(reason).Increment(); }
-void Metrics::count_reconnect() { families_->reconnects.Increment(); }
-
-void Metrics::count_reset_flood() { families_->reset_floods.Increment(); }
 
 void Metrics::count_certificate_reload(bool is_taken) {
   (is_taken ? families_->certificates_taken : families_->certificates_refused).Increment();

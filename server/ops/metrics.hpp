@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "server/ops/counters.hpp"
+
 namespace collided::server {
 
 /// Where the time of a frame goes, from its arrival to its last answer.
@@ -61,18 +63,11 @@ class Metrics {
   void count_frame(const FrameTotals& frame);
   /// A frame's engine and why it was chosen, names as in FrameMetrics.
   void count_engine(std::string_view engine, std::string_view reason);
-  /// Frames skipped by LATEST_WINS.
-  void count_skipped(uint64_t frames = 1);
-  /// Frames that a watcher was not sent.
-  void count_not_shown(uint64_t frames);
+  void count(CounterId id, uint64_t times = 1);
   /// A refused frame or call; `reason` is the name of its gRPC code, such as RESOURCE_EXHAUSTED.
   void count_rejected(std::string_view reason);
-  /// A stream that resumed a scene.
-  void count_reconnect();
   /// Changed TLS files: whether they were loaded, or the previous ones kept.
   void count_certificate_reload(bool is_taken);
-  /// A connection ended because its client reset too many calls.
-  void count_reset_flood();
   /// An ended call: its method without the service, and the name of its gRPC code. Any code but OK and CANCELLED counts
   /// as a rejection, too.
   void count_call(std::string_view method, std::string_view code);

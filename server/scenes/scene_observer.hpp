@@ -5,6 +5,8 @@
 #include <exception>
 #include <string>
 
+#include "server/ops/counters.hpp"
+
 namespace collided::server {
 
 class Scene;
@@ -17,11 +19,8 @@ class SceneObserver {
   /// A frame was answered; its cost is complete.
   virtual void answered(const Scene& scene, const AnsweredFrame& frame) = 0;
   virtual void refused(const Scene& scene, uint64_t frame_id, const std::exception_ptr& error) = 0;
-  virtual void skipped(const Scene& scene, uint64_t frame_id) = 0;
-  /// So many frames were not shown to one watcher.
-  virtual void not_shown(const Scene& scene, uint64_t frames) = 0;
-  /// A stream was opened with the scene's resume token.
-  virtual void resumed(const Scene& scene) = 0;
+  /// Something happened to the scene so many times that is counted, and no more.
+  virtual void counted(const Scene& scene, CounterId id, uint64_t times) = 0;
   /// The scene was deleted because its lease ran out.
   virtual void expired(const Scene& scene) = 0;
   /// The engine reports that the scene's device failed.

@@ -38,7 +38,7 @@ void Watcher::show_latest() try {
   follow_edits(*sink);
   for (const VertexSample& sample : samples_.of_mesh) update->positions.push_back(scene_->engine().positions(sample));
   update->vertex_stride = samples_.stride;
-  if (update->skipped > 0) scene_->observer().not_shown(*scene_, update->skipped);
+  if (update->skipped > 0) scene_->observer().counted(*scene_, CounterId::kNotShownFrames, update->skipped);
   sink->show(std::move(*update));
 } catch (...) {
   end(std::current_exception());

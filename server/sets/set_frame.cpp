@@ -83,7 +83,7 @@ void check_starts(const Parts& frame, const SceneSpec& set) {
 
 void parse_options(const pb::SetFrame& frame, const SceneSpec& set, FrameInput& input) {
   if (frame.mode() != pb::DETECTION_MODE_UNSPECIFIED) input.mode = parse_mode(frame.mode(), "frame.mode");
-  input.accuracy = parse_accuracy(frame.accuracy(), "frame.accuracy");
+  input.accuracy = parse<Accuracy>(frame.accuracy(), "frame.accuracy");
   if (frame.has_delta()) input.delta = frame.delta();
   check_frame_options(set, input);
 }

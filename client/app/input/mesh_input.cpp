@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "client/cpp/positions.hpp"
+
 namespace collided::cli {
 
 std::vector<client::MeshInput> mesh_inputs(const std::vector<scenes::Mesh>& meshes) {
@@ -19,7 +21,7 @@ std::vector<client::MeshInput> mesh_inputs(const std::vector<scenes::Mesh>& mesh
 }
 
 void grow_box(v1::SceneSpec& spec, client::Positions positions) {
-  if (spec.position_format() != v1::POSITION_FORMAT_Q16 || positions.empty()) return;
+  if (!client::is_quantized(spec.position_format()) || positions.empty()) return;
   v1::QuantizationBox& box = *spec.mutable_quantization_box();
   for (const double x : positions[0])
     if (box.lower_size() < 3) box.add_lower(x), box.add_upper(x);
@@ -29,16 +31,6 @@ void grow_box(v1::SceneSpec& spec, client::Positions positions) {
       box.set_lower(axis, std::min(box.lower(axis), x));
       box.set_upper(axis, std::max(box.upper(axis), x));
     }
-}
-
-v1::MeshUpdate update_of(uint32_t mesh, const v1::SceneSpec& spec, client::Positions end, client::Positions start) {
-  const v1::PositionFormat format = spec.position_format();
-  if (format != v1::POSITION_FORMAT_Q16) return client::mesh_update(mesh, format, end, start);
-  v1::MeshUpdate update;
-  update.set_mesh(mesh);
-  update.set_positions(client::pack_quantized(end, spec.quantization_box()));
-  if (!start.empty()) update.set_start_positions(client::pack_quantized(start, spec.quantization_box()));
-  return update;
 }
 
 v1::Frame make_frame(const std::vector<scenes::Mesh>& meshes, uint64_t id, const v1::SceneSpec& spec,
@@ -51,7 +43,7 @@ v1::Frame make_frame(const std::vector<scenes::Mesh>& meshes, uint64_t id, const
     const bool has_start = !start.empty() && !mesh.is_static;
     const client::Positions own_start = has_start ? start.subspan(at, mesh.vertex_count) : client::Positions();
     if (id == 1 || !mesh.is_static)
-      *frame.add_updates() = update_of(i, spec, end.subspan(at, mesh.vertex_count), own_start);
+      *frame.add_updates() = client::mesh_update(i, spec, end.subspan(at, mesh.vertex_count), own_start);
     at += mesh.vertex_count;
   }
   return frame;

@@ -11,11 +11,8 @@ namespace collided::cli {
 /// The inputs borrow the meshes' triangles.
 std::vector<client::MeshInput> mesh_inputs(const std::vector<scenes::Mesh>& meshes);
 
-/// Makes room for the positions in the box that Q16 positions are encoded in; nothing for other formats.
+/// Makes room for the positions in the box that they are encoded in; nothing for a format without one.
 void grow_box(v1::SceneSpec& spec, client::Positions positions);
-
-/// The update of one mesh, in the format of the spec.
-v1::MeshUpdate update_of(uint32_t mesh, const v1::SceneSpec& spec, client::Positions end, client::Positions start = {});
 
 /// One frame of all moving meshes, in the format of the spec; the frame of id 1 has the static ones as well. Positions
 /// are those of all meshes, in their order. Without `start` the meshes start where the last frame ended.

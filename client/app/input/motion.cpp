@@ -10,11 +10,12 @@
 #include "client/app/input/frame_files.hpp"
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/output/progress.hpp"
+#include "client/cpp/positions.hpp"
 
 namespace collided::cli {
 
 void grow_box(v1::SceneSpec& spec, const Motion& motion) {
-  for (int frame = 0; frame < motion.frames && spec.position_format() == v1::POSITION_FORMAT_Q16; ++frame)
+  for (int frame = 0; frame < motion.frames && client::is_quantized(spec.position_format()); ++frame)
     grow_box(spec, motion.positions(frame));
 }
 

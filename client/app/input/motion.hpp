@@ -20,7 +20,7 @@ struct Motion {
   std::function<std::vector<scenes::Vec3d>(int frame)> positions;  ///< of all meshes; frames count from 0
 };
 
-/// Makes room for all frames in the box that Q16 positions are encoded in; nothing for other formats.
+/// Makes room for all frames in the box that positions are encoded in; nothing for a format without one.
 void grow_box(v1::SceneSpec& spec, const Motion& motion);
 
 Motion scene_motion(const SceneOptions& options);

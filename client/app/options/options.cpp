@@ -251,6 +251,21 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   return spec;
 }
 
+std::vector<std::pair<std::string, OptionValue>> described(const v1::SceneSpec& spec) {
+  std::vector<std::string> kinds;
+  for (const int kind : spec.kinds()) kinds.push_back(name_of(static_cast<v1::ContactKind>(kind)));
+  return {{"mode", spec.mode() == v1::DETECTION_MODE_DCD ? "dcd" : "ccd"},
+          {"accuracy", name_of(spec.accuracy())},
+          {"position_format", name_of(spec.position_format())},
+          {"thickness", spec.thickness()},
+          {"delta", spec.delta()},
+          {"min_separation", spec.min_separation()},
+          {"report", name_of(spec.report())},
+          {"kinds", kinds},
+          {"engine", name_of(spec.broad_phase_engine())},
+          {"reuse", name_of(spec.reuse())}};
+}
+
 std::vector<std::string> position_formats() { return names_of(kFormats); }
 v1::PositionFormat format_of(const std::string& name) { return value_of(kFormats, name); }
 v1::PositionFormat choose_format(const std::string& name, bool is_double) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "collided/v1/frame.pb.h"
@@ -61,7 +63,12 @@ void set_place(const ServerOptions& server, v1::SceneSpec& spec);
 /// A spec without meshes.
 v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& detection, v1::PositionFormat format);
 
-/// "f32", "f64", "q16".
+/// A number, a word, or several words.
+using OptionValue = std::variant<double, std::string, std::vector<std::string>>;
+/// The spec's options in the spelling of the command line, each under its name in JSON, in order.
+std::vector<std::pair<std::string, OptionValue>> described(const v1::SceneSpec& spec);
+
+/// The words of all formats, such as "f32".
 std::vector<std::string> position_formats();
 /// `name` is one of position_formats().
 v1::PositionFormat format_of(const std::string& name);

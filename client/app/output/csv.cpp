@@ -7,24 +7,52 @@
 #include <new>
 
 #include "client/app/options/values.hpp"
+#include "client/app/output/text_columns.hpp"
 #include "client/app/report/contacts.hpp"
 
 namespace collided::cli {
 
 namespace {
 
-template <class T>
-void cell(NumberFile& rows, const std::vector<T>& values, uint64_t i) {
-  rows.text(",");
-  if (!values.empty()) rows.number(values[i]);
-}
+using client::Contacts;
 
-/// The values of entry `i`, or only the commas if the field was not computed.
-template <class T, size_t N>
-void cells(NumberFile& rows, const std::vector<std::array<T, N>>& values, uint64_t i) {
-  for (size_t k = 0; k < N; ++k) {
+/// The flags as words.
+struct FlagsColumn {
+  std::string_view names;
+  std::vector<uint8_t> Contacts::*values;
+};
+
+/// The points where the two features touch, which follow from the weights and the positions of the vertices.
+struct PointsColumn {
+  std::string_view names;
+};
+
+/// The columns after the kind, in their order.
+constexpr std::tuple kColumns{TextColumn{"element_a,element_b", &Contacts::elements},
+                              TextColumn{"v0,v1,v2,v3", &Contacts::stencils},
+                              TextColumn{"toi", &Contacts::toi},
+                              TextColumn{"distance", &Contacts::distance},
+                              FlagsColumn{"flags", &Contacts::flags},
+                              TextColumn{"w0,w1", &Contacts::weights},
+                              PointsColumn{"point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z"},
+                              TextColumn{"normal_x,normal_y,normal_z", &Contacts::normals}};
+static_assert(count_columns(kColumns) == client::kColumnCount, "a column of contacts is not in the files");
+
+/// A contact, and what its points are computed from.
+struct Row {
+  v1::ContactKind kind;
+  const Contacts& contacts;
+  uint64_t i;
+  const StepPositions& positions;
+};
+
+/// The components of the entry, or only the commas if the column was not computed.
+template <class Entry>
+void write(NumberFile& rows, const Row& row, const TextColumn<Entry>& column) {
+  const std::vector<Entry>& values = row.contacts.*column.values;
+  for (const auto x : components(values.empty() ? Entry{} : values[row.i])) {
     rows.text(",");
-    if (!values.empty()) rows.number(values[i][k]);
+    if (!values.empty()) rows.number(x);
   }
 }
 
@@ -37,13 +65,15 @@ std::array<std::string, 32> all_flag_texts() {
   return texts;
 }
 
-void flags_cell(NumberFile& rows, const std::vector<uint8_t>& flags, uint64_t i) {
+void write(NumberFile& rows, const Row& row, const FlagsColumn& column) {
   static const auto kTexts = all_flag_texts();
+  const std::vector<uint8_t>& flags = row.contacts.*column.values;
   rows.text(",");
-  if (!flags.empty()) rows.text(kTexts[flags[i] % kTexts.size()]);
+  if (!flags.empty()) rows.text(kTexts[flags[row.i] % kTexts.size()]);
 }
 
-void point_cells(NumberFile& rows, const std::optional<ContactPoints>& points) {
+void write(NumberFile& rows, const Row& row, const PointsColumn&) {
+  const std::optional<ContactPoints> points = contact_points(row.kind, row.contacts, row.i, row.positions);
   if (!points) return (void)rows.text(",,,,,,");
   for (const auto& point : {points->first, points->second})
     for (const double x : point) rows.text(",").number(x);
@@ -54,14 +84,8 @@ void write_kind(NumberFile& rows, const std::string& first, const client::Contac
                 const StepPositions& positions) {
   for (uint64_t i = 0; i < contacts.count; ++i) {
     rows.text(first);
-    cells(rows, contacts.elements, i);
-    cells(rows, contacts.stencils, i);
-    cell(rows, contacts.toi, i);
-    cell(rows, contacts.distance, i);
-    flags_cell(rows, contacts.flags, i);
-    cells(rows, contacts.weights, i);
-    point_cells(rows, contact_points(kind, contacts, i, positions));
-    cells(rows, contacts.normals, i);
+    const Row row{kind, contacts, i, positions};
+    for_each_text_column(kColumns, [&](const auto& column) { write(rows, row, column); });
     rows.text("\n");
   }
 }
@@ -87,8 +111,9 @@ void CsvFile::add(const client::FrameOutput& output, const StepPositions& positi
 }
 
 std::string csv_header() {
-  return "kind,element_a,element_b,v0,v1,v2,v3,toi,distance,flags,w0,w1,"
-         "point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z,normal_x,normal_y,normal_z\n";
+  std::string header = "kind";
+  for_each_text_column(kColumns, [&](const auto& column) { header += "," + std::string(column.names); });
+  return header + "\n";
 }
 
 std::string csv_rows(const std::string& first, const client::FrameOutput& output, const StepPositions& positions) {

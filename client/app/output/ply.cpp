@@ -1,45 +1,79 @@
 // Contacts as points of a PLY file.
 
+#include <algorithm>
 #include <string_view>
 
 #include "client/app/output/located.hpp"
 #include "client/app/output/number_file.hpp"
 #include "client/app/output/paraview.hpp"
+#include "client/app/output/text_columns.hpp"
 
 namespace collided::cli {
 
 namespace {
 
-constexpr std::string_view kProperties =
-    "property double x\nproperty double y\nproperty double z\n"
-    "property float nx\nproperty float ny\nproperty float nz\n"
-    "property double toi\nproperty double distance\n"
-    "property uchar kind\nproperty uint element_a\nproperty uint element_b\n"
-    "property uint v0\nproperty uint v1\nproperty uint v2\nproperty uint v3\n"
-    "property double w0\nproperty double w1\nproperty uchar flags\n";
+using client::Contacts;
 
+/// The number of the contact's kind.
+struct KindColumn {};
+
+/// The properties after the point, in their order.
+constexpr std::tuple kColumns{TextColumn{"nx,ny,nz", &Contacts::normals},
+                              TextColumn{"toi", &Contacts::toi},
+                              TextColumn{"distance", &Contacts::distance},
+                              KindColumn{},
+                              TextColumn{"element_a,element_b", &Contacts::elements},
+                              TextColumn{"v0,v1,v2,v3", &Contacts::stencils},
+                              TextColumn{"w0,w1", &Contacts::weights},
+                              TextColumn{"flags", &Contacts::flags}};
+static_assert(count_columns(kColumns) == client::kColumnCount, "a column of contacts is not in the files");
+
+/// PLY's name of a type.
 template <class T>
-T value(const std::vector<T>& values, size_t i) {
-  return values.empty() ? T{} : values[i];
+constexpr std::string_view kType;
+template <>
+constexpr std::string_view kType<uint8_t> = "uchar";
+template <>
+constexpr std::string_view kType<uint32_t> = "uint";
+template <>
+constexpr std::string_view kType<float> = "float";
+template <>
+constexpr std::string_view kType<double> = "double";
+
+void declare(NumberFile& out, std::string_view type, std::string_view name) {
+  out.text("property ").text(type).text(" ").text(name).text("\n");
 }
 
-template <class Values>
-void numbers(NumberFile& out, const Values& values) {
-  for (const auto x : values) out.text(" ").number(x);
+template <class Entry>
+void declare(NumberFile& out, const TextColumn<Entry>& column) {
+  using Component = typename std::remove_cvref_t<decltype(components(Entry{}))>::value_type;
+  for (size_t at = 0; at < column.names.size();) {
+    const size_t end = std::min(column.names.find(',', at), column.names.size());
+    declare(out, kType<Component>, column.names.substr(at, end - at));
+    at = end + 1;
+  }
+}
+void declare(NumberFile& out, const KindColumn&) { declare(out, "uchar", "kind"); }
+
+void declare_all(NumberFile& out) {
+  for (const std::string_view axis : {"x", "y", "z"}) declare(out, "double", axis);
+  for_each_text_column(kColumns, [&](const auto& column) { declare(out, column); });
+}
+
+template <class Entry>
+void write(NumberFile& out, const LocatedContact& contact, const TextColumn<Entry>& column) {
+  const std::vector<Entry>& values = contact.contacts.*column.values;
+  for (const auto x : components(values.empty() ? Entry{} : values[contact.i])) out.text(" ").number(x);
+}
+void write(NumberFile& out, const LocatedContact& contact, const KindColumn&) {
+  out.text(" ").number(static_cast<int>(contact.kind));
 }
 
 void write_row(NumberFile& out, const LocatedContact& contact) {
-  const client::Contacts& c = contact.contacts;
-  const size_t i = contact.i;
   out.number(contact.points.first[0]).text(" ").number(contact.points.first[1]).text(" ");
   out.number(contact.points.first[2]);
-  numbers(out, value(c.normals, i));
-  numbers(out, std::array{value(c.toi, i), value(c.distance, i)});
-  out.text(" ").number(static_cast<int>(contact.kind));
-  numbers(out, value(c.elements, i));
-  numbers(out, value(c.stencils, i));
-  numbers(out, value(c.weights, i));
-  out.text(" ").number(static_cast<int>(value(c.flags, i))).text("\n");
+  for_each_text_column(kColumns, [&](const auto& column) { write(out, contact, column); });
+  out.text("\n");
 }
 
 }  // namespace
@@ -49,7 +83,8 @@ void write_ply(const std::string& file, const client::FrameOutput& output, const
   for_each_located(output, positions, [&](const LocatedContact&) { ++count; });
   NumberFile out(file);
   out.text("ply\nformat ascii 1.0\ncomment contacts found by collided\nelement vertex ").number(count).text("\n");
-  out.text(kProperties).text("end_header\n");
+  declare_all(out);
+  out.text("end_header\n");
   for_each_located(output, positions, [&](const LocatedContact& contact) { write_row(out, contact); });
   out.finish();
 }

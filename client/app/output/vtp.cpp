@@ -5,10 +5,23 @@
 #include "client/app/output/located.hpp"
 #include "client/app/output/number_file.hpp"
 #include "client/app/output/paraview.hpp"
+#include "client/app/report/json.hpp"
 
 namespace collided::cli {
 
 namespace {
+
+/// VTK's name of a type.
+template <class T>
+constexpr std::string_view kType;
+template <>
+constexpr std::string_view kType<uint8_t> = "UInt8";
+template <>
+constexpr std::string_view kType<uint32_t> = "UInt32";
+template <>
+constexpr std::string_view kType<float> = "Float32";
+template <>
+constexpr std::string_view kType<double> = "Float64";
 
 class Arrays {
  public:
@@ -32,18 +45,17 @@ class Arrays {
     out_.text("</DataArray>\n");
   }
 
-  /// The same of a field of Contacts, unless no contact has it.
+  /// The same of a column of Contacts, unless no contact has it.
   template <class T, size_t N>
-  void write(std::string_view type, std::string_view name,
-             std::vector<std::array<T, N>> client::Contacts::*field) const {
-    if (is_there(field))
-      write(type, name, [&](const LocatedContact& contact) { return (contact.contacts.*field)[contact.i]; });
+  void write(std::string_view name, std::vector<std::array<T, N>> client::Contacts::*column) const {
+    if (is_there(column))
+      write(kType<T>, name, [&](const LocatedContact& contact) { return (contact.contacts.*column)[contact.i]; });
   }
   template <class T>
-  void write(std::string_view type, std::string_view name, std::vector<T> client::Contacts::*field) const {
-    if (is_there(field))
-      write(type, name,
-            [&](const LocatedContact& contact) { return std::array{(contact.contacts.*field)[contact.i]}; });
+  void write(std::string_view name, std::vector<T> client::Contacts::*column) const {
+    if (is_there(column))
+      write(kType<T>, name,
+            [&](const LocatedContact& contact) { return std::array{(contact.contacts.*column)[contact.i]}; });
   }
 
  private:
@@ -59,14 +71,10 @@ class Arrays {
 };
 
 void write_data(const Arrays& arrays) {
-  using client::Contacts;
   arrays.write("UInt8", "kind", [](const LocatedContact& c) { return std::array{static_cast<int>(c.kind)}; });
-  arrays.write("UInt32", "elements", &Contacts::elements);
-  arrays.write("UInt32", "stencil", &Contacts::stencils);
-  arrays.write("Float64", "toi", &Contacts::toi);
-  arrays.write("Float64", "distance", &Contacts::distance);
-  arrays.write("Float64", "weights", &Contacts::weights);
-  arrays.write("Float32", "normal", &Contacts::normals);
+  client::for_each_column([&](v1::ContactField field, auto column) {
+    if (field != v1::CONTACT_FIELD_FLAGS) arrays.write(long_name_of(field), column);
+  });
   arrays.write("Float64", "other_point", [](const LocatedContact& c) { return c.points.second; });
   arrays.write("UInt8", "flags", [](const LocatedContact& c) {
     return std::array{c.contacts.flags.empty() ? 0 : static_cast<int>(c.contacts.flags[c.i])};

@@ -25,13 +25,7 @@ void ContactsDigest::add(const std::vector<T>& values) {
 void ContactsDigest::add(const client::FrameOutput& output) {
   for_each_kind(
       [&](v1::ContactKind, const client::Contacts& contacts) {
-        add(contacts.elements);
-        add(contacts.stencils);
-        add(contacts.toi);
-        add(contacts.distance);
-        add(contacts.weights);
-        add(contacts.normals);
-        add(contacts.flags);
+        client::for_each_column([&](v1::ContactField, auto column) { add(contacts.*column); });
       },
       output);
 }

@@ -12,6 +12,13 @@ namespace collided::cli {
 
 namespace {
 
+/// The name of an enum's value without its prefix.
+std::string lower_case(const std::string& value, std::string_view prefix) {
+  std::string name = value.substr(prefix.size());
+  std::transform(name.begin(), name.end(), name.begin(), [](char c) { return c == '_' ? c : char(c - 'A' + 'a'); });
+  return name;
+}
+
 std::string contact_count_name(v1::ContactKind kind) { return "contacts_" + long_name_of(kind); }
 
 }  // namespace
@@ -28,24 +35,13 @@ Json part_devices_json(const v1::SceneSpec& spec) {
 
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
-  Json kinds = Json::array();
-  for (const int kind : spec.kinds()) kinds.push_back(name_of(static_cast<v1::ContactKind>(kind)));
   Json out = {{"vertices", scene.vertex_count()},
               {"edges", scene.edge_count()},
               {"triangles", scene.triangle_count()},
               {"meshes", spec.meshes_size()},
               {"backend", name_of(spec.backend())},
-              {"device", scene.device()},
-              {"mode", spec.mode() == v1::DETECTION_MODE_DCD ? "dcd" : "ccd"},
-              {"accuracy", name_of(spec.accuracy())},
-              {"position_format", name_of(spec.position_format())},
-              {"thickness", spec.thickness()},
-              {"delta", spec.delta()},
-              {"min_separation", spec.min_separation()},
-              {"report", name_of(spec.report())},
-              {"kinds", kinds},
-              {"engine", name_of(spec.broad_phase_engine())},
-              {"reuse", name_of(spec.reuse())}};
+              {"device", scene.device()}};
+  for (const auto& [name, value] : described(spec)) std::visit([&](const auto& known) { out[name] = known; }, value);
   if (spec.part_devices_size() > 0) out["part_devices"] = part_devices_json(spec);
   return out;
 }
@@ -107,11 +103,9 @@ Json frame_json(const v1::FrameDone& done, v1::Report report) {
   return out;
 }
 
-std::string long_name_of(v1::ContactKind kind) {
-  std::string name = v1::ContactKind_Name(kind).substr(std::string_view("CONTACT_KIND_").size());
-  std::transform(name.begin(), name.end(), name.begin(), [](char c) { return c == '_' ? c : char(c - 'A' + 'a'); });
-  return name;
-}
+std::string long_name_of(v1::ContactKind kind) { return lower_case(v1::ContactKind_Name(kind), "CONTACT_KIND_"); }
+
+std::string long_name_of(v1::ContactField field) { return lower_case(v1::ContactField_Name(field), "CONTACT_FIELD_"); }
 
 Json contact_counts_json(const client::PerKind<uint64_t>& counts) {
   Json out = Json::object();

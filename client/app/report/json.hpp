@@ -26,6 +26,8 @@ Json counts_json(const v1::FrameCounts& counts);
 Json frame_json(const v1::FrameDone& done, v1::Report report);
 /// "vertex_triangle" and so on.
 std::string long_name_of(v1::ContactKind kind);
+/// "elements" and so on.
+std::string long_name_of(v1::ContactField field);
 /// "contacts_vertex_triangle" and so on.
 Json contact_counts_json(const client::PerKind<uint64_t>& counts);
 /// Sets the numbers of contacts to null: REPORT_ANY_HIT only finds out whether there is one.

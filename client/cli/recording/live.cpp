@@ -9,6 +9,8 @@
 
 #include "client/app/input/frame_files.hpp"
 #include "client/app/input/mesh_input.hpp"
+#include "client/app/options/values.hpp"
+#include "client/cpp/positions.hpp"
 
 namespace collided::cli {
 
@@ -94,8 +96,8 @@ v1::SceneSpec spec_without_meshes(v1::SceneSpec spec) {
 
 const v1::Scene& check_scene(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
-  if (spec.position_format() == v1::POSITION_FORMAT_Q16)
-    refuse("a watch shows positions of q16 scenes decoded, not as they were sent");
+  if (client::is_quantized(spec.position_format()))
+    refuse("a watch shows positions of " + name_of(spec.position_format()) + " scenes decoded, not as they were sent");
   const uint64_t bytes = scene.vertex_count() * client::position_bytes(spec.position_format());
   if (bytes > kMaxWatchedBytes)
     refuse("the scene's positions take " + std::to_string(bytes) + " bytes; a watch shows all up to " +

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "client/app/report/frame_line.hpp"
+#include "client/cpp/positions.hpp"
 
 namespace collided::cli {
 
@@ -87,7 +88,7 @@ std::array<double, 3> middle(const std::vector<std::array<double, 3>>& positions
 }
 
 std::vector<std::array<float, 3>> relative_positions(ShownScene& shown, const client::WatchedFrame& frame) {
-  const bool is_double = shown.scene.spec().position_format() == v1::POSITION_FORMAT_F64;
+  const bool is_double = client::is_double(shown.scene.spec().position_format());
   const auto positions = is_double ? unpack<double>(frame) : unpack<float>(frame);
   if (positions.size() != shown.surface.vertex_count)
     throw_loss("positions: " + std::to_string(positions.size()) + " of " + std::to_string(shown.surface.vertex_count) +

@@ -29,7 +29,7 @@ std::span<const Real> reals(std::span<const std::byte> bytes) {
 /// Moves positions in `format` as far to `target` as the frame did. Their first vertex is `vertex`, scene-wide.
 void move_bytes(std::span<std::byte> from, std::span<const std::byte> target, const FrameAdvance& advance,
                 uint32_t mesh, uint32_t vertex, v1::PositionFormat format) {
-  if (format == v1::POSITION_FORMAT_F64)
+  if (is_double(format))
     move_along(reals<double>(from), reals<double>(target), advance, mesh, vertex);
   else
     move_along(reals<float>(from), reals<float>(target), advance, mesh, vertex);

@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "client/cpp/positions.hpp"
 #include "client/cpp/session/session_state.hpp"
 
 namespace collided::client {
@@ -21,7 +22,7 @@ void check_repeatable(const FrameOptions& options, v1::PositionFormat format) {
   if (options.edit) refuse("options.edit", "is set, which a session cannot restore; use a stream");
   if (options.from_last_fraction)
     refuse("options.from_last_fraction", "is set, which a session cannot restore; use a stream");
-  if (options.advance && format == v1::POSITION_FORMAT_Q16)
+  if (options.advance && is_quantized(format))
     refuse("options.advance", "is set, and where it ends cannot be encoded as Q16; use a stream, or F32");
 }
 

@@ -6,6 +6,7 @@
 
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/input/step_input.hpp"
+#include "client/cpp/positions.hpp"
 
 namespace collided::cli {
 
@@ -27,7 +28,7 @@ BenchInput file_input(const std::vector<std::string>& files) {
 }
 
 void grow_box(v1::SceneSpec& spec, const BenchInput& input, int steps) {
-  if (spec.position_format() != v1::POSITION_FORMAT_Q16) return;
+  if (!client::is_quantized(spec.position_format())) return;
   if (spec.mode() == v1::DETECTION_MODE_CCD) grow_box(spec, input.start(1, steps));
   for (int step = 1; step <= steps; ++step) grow_box(spec, input.end(step, steps));
 }

@@ -24,7 +24,7 @@ BenchInput scene_input(const std::string& name, double scale);
 /// The step between two mesh files, or one frame (DCD), repeated. Throws std::runtime_error naming the file.
 BenchInput file_input(const std::vector<std::string>& files);
 
-/// Makes room for all steps in the box that Q16 positions are encoded in; nothing for other formats.
+/// Makes room for all steps in the box that positions are encoded in; nothing for a format without one.
 void grow_box(v1::SceneSpec& spec, const BenchInput& input, int steps);
 
 /// The steps of the warm-up, then all steps in order. The warm-up is spread evenly over the motion and ends with its

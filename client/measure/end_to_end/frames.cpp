@@ -29,9 +29,10 @@ double time_of(int frame) {
 }
 
 double bytes_of(const client::Contacts& contacts) {
-  const auto bytes = [](const auto& values) { return static_cast<double>(std::span(values).size_bytes()); };
-  return bytes(contacts.elements) + bytes(contacts.stencils) + bytes(contacts.toi) + bytes(contacts.distance) +
-         bytes(contacts.weights) + bytes(contacts.normals) + bytes(contacts.flags);
+  double bytes = 0;
+  client::for_each_column(
+      [&](v1::ContactField, auto column) { bytes += static_cast<double>(std::span(contacts.*column).size_bytes()); });
+  return bytes;
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "client/app/options/values.hpp"
 #include "client/app/report/numbers.hpp"
+#include "client/cpp/positions.hpp"
 
 namespace collided::cli {
 
@@ -76,7 +78,7 @@ std::string truth_text(const TruthUsed& truth) {
   const std::string found =
       count_text(truth.vertex_triangle) + " vertex-triangle and " + count_text(truth.edge_edge) + " edge-edge contacts";
   const std::string source = truth.source != "exact" ? "given by `" + truth.source + "`"
-                             : truth.format == "q16"
+                             : client::is_quantized(format_of(truth.format))
                                  ? "the level `EXACT` on the positions before they were encoded, in f64"
                                  : "the level `EXACT` on the same positions";
   const std::string times = truth.bounded == 0 ? ""

@@ -10,6 +10,7 @@
 #include "client/app/options/usage_error.hpp"
 #include "client/app/output/progress.hpp"
 #include "client/app/report/json.hpp"
+#include "client/cpp/positions.hpp"
 #include "client/measure/stage_medians.hpp"
 #include "client/measure/tradeoff/judge.hpp"
 
@@ -24,12 +25,11 @@ v1::Accuracy accuracy_of(std::string level) {
   return accuracy;
 }
 
-constexpr const char* kQuantized = "q16";
-
 std::vector<Run> planned_runs(const TradeoffSettings& settings, const std::string& format) {
   std::vector<Run> runs;
   for (const std::string& level : settings.levels) {
-    if (level == "exact" && format == kQuantized) continue;  // decides on the given positions, which it does not know
+    if (level == "exact" && client::is_quantized(format_of(format)))
+      continue;  // decides on the given positions, which it does not know
     if (level == "fast")
       runs.push_back({.format = format, .level = level});
     else
@@ -158,7 +158,8 @@ class Measurement {
   /// Of the positions as that format gives them; encoded ones are judged by those before.
   Truth find_truth(const std::string& format) {
     Truth truth;
-    play(format == kQuantized ? "f64" : format, [&](Stepper& stepper) { truth = cli::find_truth(stepper); });
+    play(client::is_quantized(format_of(format)) ? "f64" : format,
+         [&](Stepper& stepper) { truth = cli::find_truth(stepper); });
     return truth;
   }
 

@@ -56,6 +56,16 @@ const ARRAYS = {
   [PositionFormat.Q16]: Uint16Array,
 } as const;
 
+/** The bytes of a vertex's position where the daemon shows it: F64 as such, all other formats as F32. */
+export function shownBytes(format: PositionFormat): number {
+  return 3 * (format === PositionFormat.F64 ? Float64Array : Float32Array).BYTES_PER_ELEMENT;
+}
+
+/** Positions that the daemon shows of a scene with positions of `format`. */
+export function unpackShown(bytes: Uint8Array, format: PositionFormat): Float32Array | Float64Array {
+  return format === PositionFormat.F64 ? join(Float64Array, [bytes]) : join(Float32Array, [bytes]);
+}
+
 /** Positions as bytes. An array of another type is refused: to round it or not is for the caller to say. */
 export function packPositions(positions: Positions | undefined, format: PositionFormat, field: string): Uint8Array {
   if (positions === undefined) return new Uint8Array();

@@ -53,14 +53,12 @@ export function checkTotal(done: FrameDone, { vertexTriangle, edgeEdge, triangle
   if (done.contactCount !== BigInt(came)) throw dataLoss(`done.contact_count is ${done.contactCount}, and ${came} contacts came`);
 }
 
-/** Times and distances of contacts, and a count that no array confirms. */
-export function checkNumbers(contacts: Contacts): void {
+/** Times and distances of contacts, and a count that no array confirms where they are bare. */
+export function checkNumbers(contacts: Contacts, isBare: boolean): void {
   const time = contacts.toi.find((toi) => !isFraction(toi));
   if (time !== undefined) throw dataLoss(`contacts.toi has ${time}; it must be in [0, 1]`);
   const distance = contacts.distance.find((each) => !(each >= 0));
   if (distance !== undefined) throw dataLoss(`contacts.distance has ${distance}; it must be 0 or more`);
-  const { elements, stencils, toi, distance: distances, weights, normals, flags } = contacts;
-  const isBare = [elements, stencils, toi, distances, weights, normals, flags].every((array) => array.length === 0);
   if (isBare && contacts.count > MOST_BARE) {
     throw dataLoss(`contacts.count is ${contacts.count} in all without any array; it must be at most ${MOST_BARE}`);
   }

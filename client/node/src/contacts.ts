@@ -50,6 +50,7 @@ export interface ContactsByKind {
 type Field = Exclude<keyof Contacts, "count" | "length" | typeof Symbol.iterator>;
 
 const ENTRIES: Record<Field, number> = { elements: 2, stencils: 4, toi: 1, distance: 1, weights: 2, normals: 3, flags: 1 };
+const FIELDS = Object.keys(ENTRIES) as Field[];
 
 /** Throws (DATA_LOSS) if an array's length is not what its chunk's count asks for, or a kind is not known. */
 export function contactsOf(chunks: readonly ContactChunk[]): ContactsByKind {
@@ -84,7 +85,7 @@ function assemble(chunks: ContactChunk[]): Contacts {
     normals: array(Float32Array, "normals"),
     flags: array(Uint8Array, "flags"),
   });
-  checkNumbers(contacts);
+  checkNumbers(contacts, FIELDS.every((field) => contacts[field].length === 0));
   return contacts;
 }
 

@@ -1,14 +1,14 @@
 // The frames that others send to a scene, as an observer sees them.
 
 import type { ClientReadableStream } from "@grpc/grpc-js";
+import { shownBytes, unpackShown } from "./arrays.js";
 import { type Rules, check, finite, listOf, uint32 } from "./check.js";
 import { checkIds, dataLoss, sizeOf } from "./check_answer.js";
 import { type Connection, endOf, onceLate } from "./connection.js";
 import { Code, CollidedError } from "./errors.js";
 import { type WatchOpened, WatchSceneRequest, type WatchSceneResponse } from "./generated/collided/v1/collision_service.js";
 import { AdvanceMode, type FrameDone } from "./generated/collided/v1/frame.js";
-import { PositionFormat, type Scene } from "./generated/collided/v1/scene.js";
-import { join } from "./arrays.js";
+import type { PositionFormat, Scene } from "./generated/collided/v1/scene.js";
 import { FrameOutput } from "./output.js";
 import { checkShortened } from "./shortened.js";
 
@@ -57,17 +57,16 @@ export class WatchedFrame extends FrameOutput {
     this.skippedFrames = response.skippedFrames;
     this.omittedContacts = response.omittedContacts;
     this.editCount = response.editCount;
-    const isDouble = format === PositionFormat.F64;
     this.positions = response.positions.map(({ positions: bytes, ...sample }) => ({
       ...sample,
-      positions: isDouble ? join(Float64Array, [bytes]) : join(Float32Array, [bytes]),
+      positions: unpackShown(bytes, format),
     }));
   }
 }
 
 /** An edit may have added meshes since the opening. */
 function checkSamples(response: WatchSceneResponse, scene: Scene): void {
-  const bytes = scene.spec!.positionFormat === PositionFormat.F64 ? 24 : 12;
+  const bytes = shownBytes(scene.spec!.positionFormat);
   const meshes = response.editCount === scene.editCount ? scene.spec!.meshes.length : Infinity;
   const bad = response.positions.find(({ mesh, positions }) => positions.length % bytes !== 0 || mesh >= meshes);
   if (!bad) return;

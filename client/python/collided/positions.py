@@ -14,6 +14,7 @@ import numpy as np
 from collided.arrays import matrix as as_matrix
 from collided.arrays import numbers, points
 from collided.errors import InvalidArgument
+from collided.v1 import scene_pb2
 
 _LAST_STEP = 65535
 
@@ -112,6 +113,11 @@ class Format:
     real: np.dtype
     box: Box | None = None
 
+    @property
+    def number(self) -> scene_pb2.PositionFormat:
+        """The protocol's value."""
+        return _number(self.name)
+
     def encode(self, values: Any, argument: str, count: int | None) -> np.ndarray:
         """Positions as contiguous bytes of the wire. May be the caller's own memory, or a copy."""
         array = points(values, argument, count)
@@ -128,13 +134,49 @@ class Format:
         return wire if self.box is None or wire.dtype == self.real else unpack_quantized(wire, self.box)
 
 
-# On the wire.
-DTYPES: dict[str, np.dtype] = {"f32": np.dtype("<f4"), "f64": np.dtype("<f8"), "q16": np.dtype("<u2")}
+@dataclass(frozen=True)
+class FormatRow:
+    """A format of positions: on the wire and in the engine. has_box: coordinates are steps of a box."""
+
+    dtype: np.dtype
+    real: np.dtype
+    has_box: bool = False
+
+    @property
+    def position_bytes(self) -> int:
+        """Bytes of one vertex's position on the wire."""
+        return 3 * self.dtype.itemsize
+
+
+# Keys are the words for the protocol's values.
+FORMATS = {"f32": FormatRow(np.dtype("<f4"), np.dtype("<f4")),
+           "f64": FormatRow(np.dtype("<f8"), np.dtype("<f8")),
+           "q16": FormatRow(np.dtype("<u2"), np.dtype("<f4"), has_box=True)}
+
+
+def _number(name: str) -> scene_pb2.PositionFormat:
+    return scene_pb2.PositionFormat.Value(f"POSITION_FORMAT_{name.upper()}")
+
+
+_ROWS = {_number(name): row for name, row in FORMATS.items()}
+
+
+def format_row(number: scene_pb2.PositionFormat) -> FormatRow | None:
+    """The format of the protocol's value; None for one that this client does not know."""
+    return _ROWS.get(number)
+
+
+def shown_dtype(number: scene_pb2.PositionFormat) -> np.dtype:
+    """The type in which the daemon shows positions of a scene: as they are in the engine."""
+    row = format_row(number) or FORMATS["f32"]
+    return row.real
 
 
 def format_named(name: str, box: Box | None) -> Format:
-    """The format "f32", "f64" or "q16", which needs a box."""
-    if (name == "q16") != (box is not None):
-        raise InvalidArgument(f"position_format is {name!r} and quantization_box is {box}; 'q16' and a box go together",
+    """The format of this word, with a box if it needs one."""
+    row = FORMATS[name]
+    if row.has_box != (box is not None):
+        with_box = " or ".join(repr(word) for word, each in FORMATS.items() if each.has_box)
+        raise InvalidArgument(f"position_format is {name!r} and quantization_box is {box}; {with_box} and a box go together",
                               field="quantization_box")
-    return Format(name, DTYPES[name], np.dtype("<f8" if name == "f64" else "<f4"), box)
+    return Format(name, row.dtype, row.real, box)

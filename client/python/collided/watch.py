@@ -17,6 +17,7 @@ from collided.contacts.contacts import Contacts
 from collided.errors import Cancelled, DataLoss, DeadlineExceeded, NotFound
 from collided.layout import Layout
 from collided.leftovers import Leftover
+from collided.positions import shown_dtype
 from collided.transport.messages import Messages
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import scene_pb2
@@ -134,7 +135,7 @@ class Watcher:
         return self._names[mesh]
 
     def _positions(self, sample: api.VertexSample) -> np.ndarray:
-        is_double = self.scene.spec.position_format == scene_pb2.POSITION_FORMAT_F64
-        if len(sample.positions) % (24 if is_double else 12):
+        dtype = shown_dtype(self.scene.spec.position_format)
+        if len(sample.positions) % (3 * dtype.itemsize):
             raise DataLoss(f"positions of mesh {sample.mesh} has {len(sample.positions)} bytes, which are no whole positions")
-        return np.frombuffer(sample.positions, "<f8" if is_double else "<f4").reshape(-1, 3)
+        return np.frombuffer(sample.positions, dtype).reshape(-1, 3)

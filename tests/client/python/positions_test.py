@@ -11,6 +11,8 @@ import unittest
 from support import main, np
 
 import collided
+from collided.positions import FORMATS, format_named, format_row
+from collided.v1 import scene_pb2
 
 PROGRAM = sys.argv[4]
 DTYPES = {"f32": "<f4", "f64": "<f8"}
@@ -26,6 +28,19 @@ def random_positions(dtype, count=2000):
     """Of all sizes."""
     random = np.random.default_rng(7)
     return (random.standard_normal((count, 3)) * 10.0 ** random.integers(-6, 7, (count, 3))).astype(dtype)
+
+
+class Formats(unittest.TestCase):
+    def test_each_of_the_protocol_has_a_row(self):
+        values = {name.removeprefix("POSITION_FORMAT_").lower(): number
+                  for name, number in scene_pb2.PositionFormat.items() if number}
+        self.assertEqual(list(FORMATS), list(values))
+        box = collided.Box((0, 0, 0), (1, 1, 1))
+        for name, row in FORMATS.items():
+            self.assertIs(format_row(values[name]), row)
+            self.assertEqual(format_named(name, box if row.has_box else None).number, values[name])
+            with self.assertRaisesRegex(collided.InvalidArgument, "'q16' and a box go together"):
+                format_named(name, None if row.has_box else box)
 
 
 class SameBits(unittest.TestCase):

@@ -35,7 +35,7 @@ TEST_F(FrameSessionTest, LatestWinsSkipsWhatALaterFrameCovers) {
   EXPECT_EQ(stream->waiting(), 4u);
   stream->hold(false);
   EXPECT_EQ(stream.sink->wait_for(5), (Events{"opened after 0", "skipped 1", "skipped 2", "skipped 3", "answered 4"}));
-  EXPECT_EQ(bench_.observer.skips, 3);
+  EXPECT_EQ(bench_.observer.count_of(CounterId::kSkippedFrames), 3);
 }
 
 TEST_F(FrameSessionTest, LosslessSkipsNothing) {

@@ -30,9 +30,9 @@ void fill(Metrics& metrics) {
   metrics.observe_stage("narrow", 3e-3);
   metrics.count_frame({.seconds = 0.01, .contacts = 5, .bytes_in = 100, .bytes_out = 200, .replays = 1});
   metrics.count_engine("lbvh", "faster");
-  metrics.count_skipped(3);
+  metrics.count(CounterId::kSkippedFrames, 3);
   metrics.count_rejected("INVALID_ARGUMENT");
-  metrics.count_reconnect();
+  metrics.count(CounterId::kReconnects);
   metrics.count_call("CreateScene", "OK");
   metrics.count_call("CreateScene", "OK");
   metrics.set_gauges([] {

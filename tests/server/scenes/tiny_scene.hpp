@@ -23,13 +23,16 @@ class CountingObserver : public SceneObserver {
  public:
   void answered(const Scene&, const AnsweredFrame&) override { ++answers; }
   void refused(const Scene&, uint64_t, const std::exception_ptr&) override { ++refusals; }
-  void skipped(const Scene&, uint64_t) override { ++skips; }
-  void not_shown(const Scene&, uint64_t frames) override { unshown += static_cast<int>(frames); }
-  void resumed(const Scene&) override { ++resumptions; }
+  void counted(const Scene&, CounterId id, uint64_t times) override {
+    counts[static_cast<size_t>(id)] += static_cast<int>(times);
+  }
   void expired(const Scene&) override { ++expiries; }
   void device_failed(const Scene&, const std::string&) override { ++failures; }
 
-  std::atomic<int> answers = 0, refusals = 0, skips = 0, unshown = 0, resumptions = 0, expiries = 0, failures = 0;
+  int count_of(CounterId id) const { return counts[static_cast<size_t>(id)]; }
+
+  std::atomic<int> answers = 0, refusals = 0, expiries = 0, failures = 0;
+  std::array<std::atomic<int>, std::size(kCounters)> counts{};
 };
 
 inline Client client(std::string name = "anonymous", ClientLimits limits = {}) {

@@ -74,7 +74,7 @@ TEST_F(WatcherTest, OneThatIsNotReadyKeepsTheLatestFrame) {
   EXPECT_EQ(shown(), (Shown{{3, 2}, {5, 0}}));
   get_ready(*watcher);
   EXPECT_EQ(shown(), (Shown{{3, 2}, {5, 0}, {6, 0}}));
-  EXPECT_EQ(bench_.observer.unshown, 2);
+  EXPECT_EQ(bench_.observer.count_of(CounterId::kNotShownFrames), 2);
 }
 
 TEST_F(WatcherTest, AnIntervalCountsFromTheLastFrameShown) {

@@ -5,7 +5,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/wire_format_lite.h>
 
-#include "client/cpp/transport/frame_options.hpp"
+#include "client/cpp/frame_options.hpp"
 
 namespace collided::client {
 
@@ -105,7 +105,7 @@ FrameUpdate view_of(const v1::MeshUpdate& update) {
 /// The frame without its plain updates.
 v1::Frame head_of(const v1::Frame& frame) {
   v1::Frame head;
-  copy_options(frame, head);
+  copy_head(frame, head);
   for (const v1::MeshUpdate& update : frame.updates())
     if (!is_plain(update)) *head.add_updates() = update;
   return head;

@@ -10,7 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "client/cpp/transport/frame_options.hpp"
+#include "client/cpp/frame_options.hpp"
 #include "proto/constants.hpp"
 
 namespace collided::client {
@@ -173,7 +173,7 @@ void LocalTransport::add(const v1::MeshUpdate& update, v1::MeshUpdate& out) {
 bool LocalTransport::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
   v1::Frame& out = *outgoing_.mutable_frame();
   out.Clear();
-  copy_options(frame, out);
+  copy_head(frame, out);
   for (const auto& update : frame.updates()) add(update, *out.add_updates());
   for (const auto& update : updates) add(update, *out.add_updates());
   const v1::SharedRange whole = place_if_long(out);

@@ -385,7 +385,7 @@ def _check_address(server: Any) -> None:
 def full_spec(layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:
     """The spec of a scene, without its triangles."""
     spec = options.spec()
-    spec.position_format = scene_pb2.PositionFormat.Value("POSITION_FORMAT_" + options.format(layout).name.upper())
+    spec.position_format = options.format(layout).number
     spec.meshes.extend(mesh.spec(with_triangles=False) for _, mesh in layout.present())
     spec.excluded_meshes.extend(scene_pb2.MeshPair(first=a, second=b) for a, b in sorted(layout.excluded))
     return spec

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from collided.errors import DataLoss, FailedPrecondition, ResourceExhausted
-from collided.positions import DTYPES
+from collided.positions import format_row
 from collided.transport.peer import NEEDS_LINUX
 from collided.v1 import local_pb2, scene_pb2
 
@@ -21,8 +21,6 @@ PAGE, ALIGNMENT = 4096, 64  # bytes
 MAX_PACKET_BYTES = 64 << 10
 _UPDATE_BYTES = 256  # of each mesh: its update's message, and the alignment of its arrays
 _MAX_OUTPUT_BYTES, _MAX_EDIT_BYTES = 1 << 30, 256 << 20
-_POSITION_BYTES = {scene_pb2.PositionFormat.Value(f"POSITION_FORMAT_{name.upper()}"): 3 * dtype.itemsize
-                   for name, dtype in DTYPES.items()}
 
 
 @dataclass(frozen=True)
@@ -62,9 +60,10 @@ def region_layout(scene: scene_pb2.Scene, window: int, output_bytes: int, edit_b
     positions = 1 if spec.mode == scene_pb2.DETECTION_MODE_DCD else 2
     vertices = worlds * sum(mesh.vertex_count for mesh in spec.meshes)
     message = MAX_PACKET_BYTES + worlds * len(spec.meshes) * _UPDATE_BYTES
-    position = _POSITION_BYTES.get(spec.position_format)
-    if position is None:
+    form = format_row(spec.position_format)
+    if form is None:
         raise DataLoss(f"spec.position_format is {spec.position_format}, which this client does not know")
+    position = form.position_bytes
     frame = whole_pages(vertices * (positions * position + 4) + message)
     all_positions = whole_pages(vertices * position + len(spec.meshes) * ALIGNMENT)
     edit = min(whole_pages(edit_bytes), _MAX_EDIT_BYTES // window // PAGE * PAGE)
