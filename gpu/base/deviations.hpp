@@ -21,9 +21,9 @@ struct Deviations {
   const uint32_t* first_vertex = nullptr;  ///< of each mesh
   const double* of_mesh = nullptr;         ///< >= 0, and after the last mesh's the largest of them
   uint32_t meshes = 0;
-  double times = 1;  ///< all of them count so often
+  double times = 1;  ///< a factor on all deviations
 
-  /// Those of all parts of the step's ways that begin where it does (positions/mesh_turn.hpp).
+  /// Those of all parts of the step's ways that begin where it does (positions/rigid_arc.cpp).
   COLLIDED_HD Deviations of_parts() const { return {first_vertex, of_mesh, meshes, kOfParts * times}; }
   static constexpr double kOfParts = 4;
 

@@ -2,9 +2,7 @@
 // Ways of pairs with rigid meshes that turn. Their vertices go along arcs; the straight ways between the ends are off
 // these by known bounds (base/mesh_turns.hpp). A pair is looked at in up to three views, each of which is right:
 // - As it is. What the straight ways of both features are apart, the arcs are apart to within what both are off.
-// - From the mesh of one feature or of the other, if both turn. The mesh stands still there, and so does what turns
-// with
-//   it.
+// - From the mesh of either feature, if both turn: it and whatever turns with it stand still.
 //
 // Seen from a mesh. Let two meshes move at even speed along screws of angular velocities w1 and w2. Velocities at a
 // point p are v1(p) and v2(p), and u = v1 - v2. A difference of vertices p1 of the first and p2 of the second mesh,
@@ -74,7 +72,7 @@ COLLIDED_HD inline double sine_of_half(const MeshTurn& turn) {
   return square_root(dot(turn.half_turn, turn.half_turn));
 }
 /// Of the angle up to which meshes are seen from each other.
-constexpr double kMostSineOfHalf = 0.479;
+constexpr double kMostSineOfHalf = 0.4794;
 
 /// A way as `by` sees it, where the other feature's mesh turns by `other`, and its vertices go no farther than `chord`.
 template <int N>

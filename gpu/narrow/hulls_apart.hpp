@@ -1,10 +1,10 @@
 #pragma once
 // Pairs that stay apart whatever fractions their vertices take. Every vertex ends between its start x and its target p,
 // at a fraction of its own. The test looks for a plane that separates all x and p of one feature from all x and p of
-// the other. The gap must be the distance asked for, and what rounding may move a vertex off its straight way. Then the
-// features stay apart at every fraction, at the end of the step and on the way. A glance in float, along one direction,
-// is enough: of what it leaves, a closer look in double tells one in ten apart and costs more than these pairs do
-// later.
+// the other. The gap must be the distance asked for, and what rounding or a turn may move a vertex off its straight
+// way. Then the features stay apart at every fraction, at the end of the step and on the way. A glance in float, along
+// one direction, is enough: of what it leaves, a closer look in double tells one in ten apart and costs more than these
+// pairs do later.
 
 #include "gpu/base/deviations.hpp"
 #include "gpu/contacts/contact.hpp"

@@ -1,9 +1,10 @@
 #pragma once
 // A step in which each vertex goes as far as it can. A vertex ends at y = blend(x, p, a); a is a fraction of its own,
-// or of its group. All fractions begin at 1 and shrink in rounds. A round looks at the pairs whose vertices changed. A
-// pair passes if its straight way from x to the rounded y keeps its floors (floors.hpp). A pair that fails proposes a
-// share for each of its vertices. A vertex takes the least share that is proposed to it, and its fraction is multiplied
-// by it.
+// or of its group. The vertices of a rigid mesh are one group, whose pose ends at pose_along(). All fractions begin at
+// 1 and shrink in rounds. A round looks at the pairs whose vertices changed. A pair passes if its way from x to the
+// rounded y keeps its floors (floors.hpp). Ways are straight but for meshes that turn (bent_ways.hpp). A pair that
+// fails proposes a share for each of its vertices. A vertex takes the least share that is proposed to it, and its
+// fraction is multiplied by it.
 //
 // The result does not depend on the order of the pairs: a proposal follows from x, y and the floors of one pair, and a
 // minimum has no order. Later rounds propose less, so that the rounds end. The first propose times of impact. Then both

@@ -97,9 +97,8 @@ class ResidentPositions {
     if (frame.edit && has_paths()) begin_where_they_end(slot);
     rigid_.place(slot.moves(), is_ccd);
   }
-  /// A mesh that turns in the step in work: its true path is no straight one.
-  std::optional<uint32_t> turning() const { return rigid_.turning(); }
-
+  /// Tells the backend how rigid meshes turn on the whole way.
+  void tell_turns() { rigid_.tell_turns(); }
   /// From here on the scene may go a part of the way.
   void keep_target() { copy(scene_.target, scene_.end); }
   /// Goes from `start` towards where `end` was when it was kept, as far as `ways` has the fractions of the vertices'
@@ -110,8 +109,6 @@ class ResidentPositions {
                                    scene_.ways.fractions.data(), scene_.end.data()});
   }
   bool has_rigid() const { return rigid_.has_any(); }
-  /// Tells the backend how rigid meshes turn on the whole way.
-  void tell_turns() { rigid_.tell_turns(); }
   /// The same of rigid meshes, by their poses. group_of(mesh): of all of its vertices.
   template <class GroupOf>
   void go_rigid(const GroupOf& group_of) {

@@ -124,6 +124,8 @@ class RigidMeshes {
   void tell_turns() {
     const bool none_turns = !turning();
     if (none_turns && !state_.tells_turns) return;
+    MemoryHold making(shape_.spec.memory_quota);
+    making.resize(shape_.spec.meshes.size() * sizeof(MeshTurn));
     std::vector<MeshTurn> turns(shape_.spec.meshes.size());
     for (const RigidBody& body : bodies()) turns[body.mesh] = mesh_turn<Real>(body.start, body.end, body.rest);
     scene_.rigid.turns.allocate(turns.size());
@@ -131,8 +133,8 @@ class RigidMeshes {
     exec_.wait();
     state_.tells_turns = !none_turns;
   }
-  /// Returns a distance that vertices of meshes that do not turn are within of the straight lines between the positions
-  /// at the ends of the step's way, besides what the last rounding to Real explains.
+  /// Returns a distance that vertices on the step's way are within of the straight lines between its ends' positions,
+  /// besides what the last rounding to Real explains, if their mesh does not turn.
   double off_straight() const {
     double off = 0;
     for (const RigidBody& body : state_.bodies) {
@@ -172,6 +174,7 @@ class RigidMeshes {
                             [](const RigidBody& body, uint32_t wanted) { return body.mesh < wanted; });
   }
   Vec3<Real>* rest_of(const RigidBody& body) const { return scene_.rigid.rest.data() + body.first_rest; }
+
   /// Of the meshes that have their first positions in this frame.
   void keep_rest() {
     const auto is_placed = [](const RigidBody& body) { return body.is_placed; };

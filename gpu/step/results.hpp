@@ -192,15 +192,14 @@ class Results {
   // EXACT: what is left open goes to the host's exact arithmetic, but for contacts on arcs.
   void settle_all(const StepState& step) {
     result_->counts.exact_decisions = step.exact_decisions;
-    const bool may_turn = scene_.deviations(needs_.is_ccd()).is_needed();
-    const bool features = !needs_.decides_in_step() || step.undecided > 0 || may_turn;
-    if (!features && !needs_.tests_triangles()) return;
-    exec_.stage("exact", [&] {
-      if (features) settle_features();
-      settle_triangles();
-      if (may_turn)
-        for_each_kind([&](ContactKind, ContactSet& set) { take_marks(exec_.host_loops(), set); }, contacts());
-    });
+    const bool features = !needs_.decides_in_step() || step.undecided > 0;
+    if (features || needs_.tests_triangles())
+      exec_.stage("exact", [&] {
+        if (features) settle_features();
+        settle_triangles();
+      });
+    if (scene_.deviations(needs_.is_ccd()).is_needed())
+      for_each_kind([&](ContactKind, ContactSet& set) { take_marks(exec_.host_loops(), set); }, contacts());
   }
   void settle_features() {
     FeatureKinds::of(scene_.topology).for_each([&]<class Kind>(const Kind& kind) {

@@ -322,13 +322,14 @@ type Frame struct {
 	// Go only as far towards the positions as the daemon certifies, for the positions that result: features keep
 	// `min_separation`, and those that start closer come no closer. FrameDone tells how far. Contacts and earliest_toi are
 	// those of the whole way. Implies ignore_separating. CCD at CERTIFIED and EXACT, in scenes that detect both
-	// vertex-triangle and edge-edge contacts. client/STEPPING.md has the rule, and the formula of the positions that result.
+	// vertex-triangle and edge-edge contacts. client/STEPPING.md has the rule, and the formula of the positions that result;
+	// proto/CONVENTIONS.md that of the poses of rigid meshes that turn.
 	Advance bool `protobuf:"varint,7,opt,name=advance,proto3" json:"advance,omitempty"`
 	// Answer, and leave the scene's positions as they were.
 	Trial bool `protobuf:"varint,8,opt,name=trial,proto3" json:"trial,omitempty"`
 	// CCD: begin this far along the way of the scene's last frame, in [0, 1], a trial's too, by the formula of
 	// client/STEPPING.md; its own start_positions go before. Meshes that the frame does not name stay there. So a line
-	// search sends each position once. Not in a scene's first frame, nor after one that was refused.
+	// search sends each position once. Not in a scene's first frame, nor after one that was refused or in which a rigid mesh turned.
 	FromLastFraction *float64 `protobuf:"fixed64,9,opt,name=from_last_fraction,json=fromLastFraction,proto3,oneof" json:"from_last_fraction,omitempty"`
 	// Question of this frame, DCD or CCD, in scenes of DCD_AND_CCD; unspecified means CCD there, and the scene's mode
 	// elsewhere. A DCD frame without updates asks what is near where the last frame left the scene.
