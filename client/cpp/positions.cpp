@@ -66,11 +66,15 @@ void check_whole(size_t coordinates) {
                 "positions have " + std::to_string(coordinates) + " coordinates, which is no multiple of 3");
 }
 
+void check_fraction(double fraction) {
+  if (!(fraction >= 0 && fraction <= 1))
+    throw Error(kInvalidArgument, "fraction is " + std::to_string(fraction) + "; it must be from 0 to 1");
+}
+
 template <class Real>
 void move(std::span<Real> positions, std::span<const Real> target, double fraction) {
   check_sizes(positions.size(), target.size());
-  if (!(fraction >= 0 && fraction <= 1))
-    throw Error(kInvalidArgument, "fraction is " + std::to_string(fraction) + "; it must be from 0 to 1");
+  check_fraction(fraction);
   if (fraction == 0) return;
   for (size_t i = 0; i < positions.size(); ++i) {
     const double x = positions[i], way = target[i] - x, part = fraction * way;
@@ -160,7 +164,63 @@ void move_all(std::span<Real> positions, const RigidMatrix& m) {
   }
 }
 
+using Vec = std::array<double, 3>;
+
+/// A column of [R | t], 0 to 3.
+Vec column(const RigidMatrix& m, size_t k) { return {m[k], m[4 + k], m[8 + k]}; }
+Vec plus(const Vec& a, const Vec& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+Vec times(double s, const Vec& a) { return {s * a[0], s * a[1], s * a[2]}; }
+double dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec cross(const Vec& a, const Vec& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// The rotation from one pose to another as a unit quaternion, c and v.
+struct HalfTurn {
+  double c;
+  Vec v;
+
+  HalfTurn(const RigidMatrix& from, const RigidMatrix& to) {
+    double cosine = 1;
+    Vec sine{};
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec a = column(from, k), b = column(to, k);
+      cosine += dot(a, b);
+      sine = plus(sine, cross(a, minus(b, a)));
+    }
+    if (!(cosine > 0 && std::isfinite(cosine)))
+      throw Error(kInvalidArgument,
+                  "the rotations of the poses are half a turn apart or not finite; they must turn by less");
+    const double length = std::sqrt(cosine * cosine + dot(sine, sine));
+    c = cosine / length, v = times(1 / length, sine);
+  }
+  Vec turn(double along, double across, double turned, const Vec& x) const {
+    return plus(times(along, x), plus(times(across * dot(v, x), v), times(turned, cross(v, x))));
+  }
+};
+
 }  // namespace
+
+// The names are those of proto/CONVENTIONS.md.
+RigidMatrix pose_along(const RigidMatrix& from, const RigidMatrix& to, double fraction) {
+  check_fraction(fraction);
+  if (fraction == 0) return from;
+  if (fraction == 1) return to;
+  const double f = fraction;
+  const HalfTurn half(from, to);
+  const double c = half.c, q = dot(half.v, half.v), m = 2 * f - 1, of_middle = 1 - (m * m) * q,
+               h = 2 * (f * (1 - f)) / (c + std::sqrt(of_middle > 0 ? of_middle : 0)), s = f * c + h * q, r = f - h * c;
+  RigidMatrix pose;
+  const auto put = [&](size_t k, const Vec& x) { pose[k] = x[0], pose[4 + k] = x[1], pose[8 + k] = x[2]; };
+  for (size_t k = 0; k < 3; ++k) {
+    const Vec a = column(from, k), back = half.turn(1 - 2 * q, 2, -2 * c, column(to, k));
+    put(k, half.turn(1 - 2 * (r * q), 2 * r, 2 * s, plus(a, times(f, minus(back, a)))));
+  }
+  const Vec t = column(from, 3), way = minus(column(to, 3), t);
+  put(3, plus(t, plus(times(f, way), times(h, cross(way, half.v)))));
+  return pose;
+}
 
 std::string pack_quantized(Positions positions, const v1::QuantizationBox& box) {
   const std::array<Axis, 3> axes = axes_of(box);

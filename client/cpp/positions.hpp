@@ -48,6 +48,12 @@ void move_rigidly(std::span<float> positions, const RigidMatrix& matrix);
 /// The same in double precision.
 void move_rigidly(std::span<double> positions, const RigidMatrix& matrix);
 
+/// The pose of a rigid mesh at a fraction of the way from one pose to another, where an advance ends: the fraction is
+/// FrameAdvance::of_body. Every bit is the daemon's, which takes turns of up to 3 radians; proto/CONVENTIONS.md has the
+/// formula. Throws Error (INVALID_ARGUMENT) if the fraction is not from 0 to 1, or, between these, if the rotations of
+/// the poses are half a turn apart or not finite.
+RigidMatrix pose_along(const RigidMatrix& from, const RigidMatrix& to, double fraction);
+
 /// Moves coordinates the fraction of the way to `target` that the daemon moved them: FrameDone.advanced, or a frame's
 /// from_last_fraction. Every bit is the daemon's; client/STEPPING.md has the formula. Throws Error (INVALID_ARGUMENT)
 /// if there are not as many of one as of the other, or the fraction is not from 0 to 1.

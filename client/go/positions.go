@@ -177,6 +177,94 @@ func MoveRigidly[T Real](positions [][3]T, pose *Matrix) {
 	}
 }
 
+// PoseAlong returns the pose of a rigid mesh at a fraction of the way from the pose start to target, where an advance ends:
+// Output.Shortened.Of has the fraction, which is the mesh's own or the least of its vertices. Every bit is the daemon's, which takes
+// turns of up to 3 radians; proto/CONVENTIONS.md has the formula. InvalidArgument if a pose is nil, the fraction is not from 0 to 1,
+// or, between these, the rotations are half a turn apart or not finite.
+func PoseAlong(start, target *Matrix, fraction float64) (*Matrix, error) {
+	if start == nil {
+		return nil, invalidf("start", "is nil")
+	}
+	if target == nil {
+		return nil, invalidf("target", "is nil")
+	}
+	if !isFraction(fraction) {
+		return nil, invalidf("fraction", "is %v; it must be from 0 to 1", fraction)
+	}
+	pose := *start
+	switch fraction {
+	case 0:
+		return &pose, nil
+	case 1:
+		pose = *target
+		return &pose, nil
+	}
+	// The names of proto/CONVENTIONS.md. Not fused, as in moveOneAlong.
+	f := fraction
+	c, v, err := halfTurn(start, target)
+	if err != nil {
+		return nil, err
+	}
+	turn := func(along, across, turned float64, x vector) vector {
+		return plus(times(along, x), plus(times(float64(across*dot(v, x)), v), times(turned, cross(v, x))))
+	}
+	q, m := dot(v, v), float64(2*f)-1
+	h := float64(2*float64(f*(1-f))) / (c + math.Sqrt(math.Max(0, 1-float64(float64(m*m)*q))))
+	s, r := float64(f*c)+float64(h*q), f-float64(h*c)
+	for k := 0; k < 3; k++ {
+		a := start.column(k)
+		back := turn(1-float64(2*q), 2, float64(-2*c), target.column(k))
+		pose.put(k, turn(1-float64(2*float64(r*q)), float64(2*r), float64(2*s), plus(a, times(f, minus(back, a)))))
+	}
+	t := start.column(3)
+	way := minus(target.column(3), t)
+	pose.put(3, plus(t, plus(times(f, way), times(h, cross(way, v)))))
+	return &pose, nil
+}
+
+// halfTurn is the rotation from one pose to another as a unit quaternion.
+func halfTurn(start, target *Matrix) (float64, vector, error) {
+	cosine, sine := 1.0, vector{}
+	for k := 0; k < 3; k++ {
+		a, b := start.column(k), target.column(k)
+		cosine += dot(a, b)
+		sine = plus(sine, cross(a, minus(b, a)))
+	}
+	if !(cosine > 0) || math.IsInf(cosine, 1) {
+		return 0, sine, invalidf("target", "has a rotation that is half a turn from that of start, or one of them is not finite; they must turn by less")
+	}
+	length := math.Sqrt(float64(cosine*cosine) + dot(sine, sine))
+	return cosine / length, times(1/length, sine), nil
+}
+
+type vector [3]float64
+
+// column is one of [R | t], 0 to 3.
+func (m *Matrix) column(k int) vector { return vector{m[k], m[4+k], m[8+k]} }
+
+func (m *Matrix) put(k int, column vector) { m[k], m[4+k], m[8+k] = column[0], column[1], column[2] }
+
+func plus(a, b vector) vector { return vector{a[0] + b[0], a[1] + b[1], a[2] + b[2]} }
+
+func minus(a, b vector) vector { return vector{a[0] - b[0], a[1] - b[1], a[2] - b[2]} }
+
+// times rounds each product: no sum that takes it is fused with it.
+func times(s float64, a vector) vector {
+	return vector{float64(s * a[0]), float64(s * a[1]), float64(s * a[2])}
+}
+
+func dot(a, b vector) float64 {
+	return float64(float64(a[0]*b[0])+float64(a[1]*b[1])) + float64(a[2]*b[2])
+}
+
+func cross(a, b vector) vector {
+	return vector{
+		float64(a[1]*b[2]) - float64(a[2]*b[1]),
+		float64(a[2]*b[0]) - float64(a[0]*b[2]),
+		float64(a[0]*b[1]) - float64(a[1]*b[0]),
+	}
+}
+
 const lastQ16 = 65535
 
 // PackQuantized encodes positions as Q16, each coordinate to the nearest step of the box. InvalidArgument for a box without

@@ -20,8 +20,8 @@ const (
 // SessionOptions tell how a session is opened.
 type SessionOptions struct {
 	// Restore tells where the meshes are before the frame that is being sent: positions of every deformable mesh, the
-	// transform of every rigid one that has moved. Called after a loss only. With Advance that is where MoveAlong and MoveEachAlong
-	// have them.
+	// transform of every rigid one that has moved. Called after a loss only. With Advance that is where MoveAlong, MoveEachAlong
+	// and PoseAlong have them.
 	Restore func() []Update
 	// GiveUp is how long to try to get the connection back before Detect fails; 0: 60 s.
 	GiveUp time.Duration

@@ -37,16 +37,6 @@ void move_bytes(std::span<std::byte> from, std::span<const std::byte> target, co
 
 constexpr RigidMatrix kAtRest{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
-/// The pose whose translation went that part of the way, on which nothing turns.
-RigidMatrix moved(RigidMatrix start, const RigidMatrix& target, double fraction) {
-  RigidMatrix pose = target;
-  for (const size_t translation : {3, 7, 11}) {
-    move_along(std::span(&start[translation], 1), std::span(&target[translation], 1), fraction);
-    pose[translation] = start[translation];
-  }
-  return pose;
-}
-
 /// Where the entries of a sparse update are in their mesh. Throws Error where they are not in it.
 std::vector<size_t> places_of(const Bytes& indices, size_t stride, size_t mesh_bytes) {
   std::vector<size_t> places;
@@ -100,8 +90,9 @@ void SceneMemory::move_body(Mesh& mesh, const OwnedUpdate& update, const FrameOu
   if (!update.transform) return;
   const RigidMatrix here = is_first ? *update.transform : mesh.pose.value_or(kAtRest);
   const double fraction = answer.advance.of_body(update.mesh, mesh.first_vertex, mesh.input->vertex_count);
-  mesh.pose = answer.done.has_advanced() ? moved(update.start_transform.value_or(here), *update.transform, fraction)
-                                         : *update.transform;
+  mesh.pose = answer.done.has_advanced()
+                  ? pose_along(update.start_transform.value_or(here), *update.transform, fraction)
+                  : *update.transform;
 }
 
 void SceneMemory::move_vertices(Mesh& mesh, OwnedUpdate& update, const FrameOutput& answer) const {

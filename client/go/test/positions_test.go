@@ -174,6 +174,68 @@ func TestMoveRigidlyGoesWhereTheDaemonGoes(t *testing.T) {
 	same(t, asF32[1].done.Metrics.BytesIn, 96)
 }
 
+// bodyTurned turns the tip about a line through (1, 1, 1), and moves it down.
+func bodyTurned(angle, depth float64) *collided.Matrix {
+	c, s := math.Cos(angle), math.Sin(angle)
+	return &collided.Matrix{1, 0, 0, 0, 0, c, -s, 1 - c + s, 0, s, c, 1 - c - s - depth}
+}
+
+func TestPoseAlongGoesWhereTheDaemonGoes(t *testing.T) {
+	meshes := twoTriangles()
+	meshes[1].Motion = collided.Rigid
+	targets := []*collided.Matrix{bodyTurned(0.3, 0.2), bodyTurned(1.2, 2.5), bodyTurned(0.1, 3)}
+	for _, mode := range []v1.AdvanceMode{collided.PerMesh, collided.PerVertex} {
+		x := tipAt(1.1)
+		narrow, wide := []collided.Frame{first(floor, x)}, []collided.Frame{first(f64(floor), f64(x))}
+		for _, target := range targets {
+			step := collided.Frame{Advance: true, AdvanceMode: mode, Updates: []collided.Update{{Mesh: 1, Transform: target}}}
+			narrow, wide = append(narrow, step), append(wide, step)
+		}
+		spec := &collided.SceneSpec{Mode: collided.CCD, MinSeparation: 1e-2}
+		asF32 := whereTheDaemonHasThem(t, spec, meshes, narrow)
+		spec.PositionFormat = collided.FormatF64
+		asF64 := whereTheDaemonHasThem(t, spec, meshes, wide)
+		fractionOf := func(there seen) float64 {
+			if mode == collided.PerMesh {
+				return there.shortened.Of(1, 1)[0]
+			}
+			each := there.shortened.Of(3, 3)
+			return math.Min(each[0], math.Min(each[1], each[2]))
+		}
+		pose, pose64, err := atRest(), atRest(), error(nil)
+		for i, target := range targets {
+			pose, err = collided.PoseAlong(pose, target, fractionOf(asF32[i+1]))
+			must(t, err)
+			pose64, err = collided.PoseAlong(pose64, target, fractionOf(asF64[i+1]))
+			must(t, err)
+			moved, moved64 := append(collided.F32{}, x...), f64(x)
+			collided.MoveRigidly(moved, pose)
+			collided.MoveRigidly(moved64, pose64)
+			if !reflect.DeepEqual(asF32[i+1].positions, moved) || !reflect.DeepEqual(asF64[i+1].positions, moved64) {
+				t.Fatal(mode, i, asF32[i+1].positions, moved, asF64[i+1].positions, moved64)
+			}
+		}
+		if a := fractionOf(asF64[2]); a <= 0 || a >= 1 {
+			t.Fatal(a, "tests no rounding")
+		}
+	}
+}
+
+func atRest() *collided.Matrix { return &collided.Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0} }
+
+func TestPoseAlongOfWhatDoesNotTurnIsMoveAlongOfItsTranslation(t *testing.T) {
+	start, target := bodyTurned(0.7, 1.0/3), bodyTurned(0.7, -9)
+	for _, fraction := range []float64{0, 1e-300, 1.0 / 3, 0.5, 127.0 / 128, 1} {
+		pose, err := collided.PoseAlong(start, target, fraction)
+		must(t, err)
+		x := [][3]float64{{start[3], start[7], start[11]}}
+		must(t, collided.MoveAlong(x, [][3]float64{{target[3], target[7], target[11]}}, fraction))
+		expected := *start
+		expected[3], expected[7], expected[11] = x[0][0], x[0][1], x[0][2]
+		same(t, *pose, expected)
+	}
+}
+
 func TestQ16IsPackedAsTheDaemonReadsIt(t *testing.T) {
 	box := &collided.QuantizationBox{Lower: []float64{-1, -2, -3}, Upper: []float64{5, 6.5, 9.1}}
 	tip, err := collided.PackQuantized(tipAt(1.0/3), box)
@@ -209,6 +271,19 @@ func TestHelpersRefuseWhatTheyCannotDo(t *testing.T) {
 	refused(t, collided.MoveAlong(three, make([][3]float32, 2), 0.5), codes.InvalidArgument, "target", "has 2 vertices")
 	refused(t, collided.MoveAlong(three, three, math.NaN()), codes.InvalidArgument, "fraction", "from 0 to 1")
 	refused(t, collided.MoveAlong(three, three, 1.1), codes.InvalidArgument, "fraction", "is 1.1")
+	pose := func(start, target *collided.Matrix, fraction float64) error {
+		_, err := collided.PoseAlong(start, target, fraction)
+		return err
+	}
+	half := &collided.Matrix{-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 5}
+	refused(t, pose(nil, half, 0.5), codes.InvalidArgument, "start", "is nil")
+	refused(t, pose(half, nil, 0.5), codes.InvalidArgument, "target", "is nil")
+	refused(t, pose(half, half, math.NaN()), codes.InvalidArgument, "fraction", "from 0 to 1")
+	refused(t, pose(half, half, -0.1), codes.InvalidArgument, "fraction", "is -0.1")
+	refused(t, pose(atRest(), half, 0.5), codes.InvalidArgument, "target", "half a turn from that of start")
+	refused(t, pose(atRest(), &collided.Matrix{math.Inf(1)}, 0.5), codes.InvalidArgument, "target", "half a turn from that of start")
+	refused(t, pose(&collided.Matrix{math.NaN()}, atRest(), 0.5), codes.InvalidArgument, "target", "half a turn from that of start")
+	must(t, pose(atRest(), half, 1))
 	two := [][3]float32{{1, 2, 3}, {4, 5, 6}}
 	refused(t, collided.MoveEachAlong(two, three, []float64{0, 0}), codes.InvalidArgument, "target", "has 1 vertices")
 	refused(t, collided.MoveEachAlong(two, two, []float64{0}), codes.InvalidArgument, "fractions", "has 1 numbers, positions have 2")

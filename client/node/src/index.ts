@@ -15,7 +15,7 @@ export type { FrameStream, StreamOptions } from "./stream.js";
 export type { Session, SessionOptions } from "./session.js";
 export type { SampledPositions, WatchOptions, WatchedFrame, Watcher } from "./watcher.js";
 export { type ContactPoints, type ElementKind, contactPoints, elementKind } from "./points.js";
-export { type RealPositions, moveAlong, moveRigidly, packQuantized, unpackQuantized } from "./positions.js";
+export { type RealPositions, moveAlong, moveRigidly, packQuantized, poseAlong, unpackQuantized } from "./positions.js";
 
 export { ContactField, ContactFlag, ContactKind } from "./generated/collided/v1/contact.js";
 export { AdvanceMode, type FrameDone } from "./generated/collided/v1/frame.js";

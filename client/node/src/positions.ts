@@ -29,17 +29,17 @@ export function moveAlong<T extends RealPositions>(positions: T, target: T, frac
 }
 
 function checkFractions(fraction: number | Float64Array, count: number): void {
-  const isBad = (a: number) => !(a >= 0 && a <= 1);
-  if (typeof fraction === "number") {
-    if (isBad(fraction)) throw invalid("fraction", `is ${fraction}; it must be from 0 to 1`);
-    return;
-  }
+  if (typeof fraction === "number") return checkFraction(fraction);
   if (!(fraction instanceof Float64Array) || fraction.length !== count) {
     const has = `${show(fraction)} of ${(fraction as Float64Array | undefined)?.length}`;
     throw invalid("fraction", `is ${has}; it must be a number, or a Float64Array of ${count}`);
   }
-  const bad = fraction.findIndex(isBad);
-  if (bad >= 0) throw invalid(`fraction[${bad}]`, `is ${fraction[bad]}; it must be from 0 to 1`);
+  fraction.forEach((each, i) => checkFraction(each, `fraction[${i}]`));
+}
+
+function checkFraction(fraction: number, name = "fraction"): void {
+  const isFraction = typeof fraction === "number" && fraction >= 0 && fraction <= 1;
+  if (!isFraction) throw invalid(name, `is ${show(fraction)}; it must be from 0 to 1`);
 }
 
 /** Moves the first positions of a rigid mesh in place to where the pose `matrix` has them. */
@@ -56,6 +56,69 @@ export function moveRigidly(positions: RealPositions, matrix: RigidMatrix): void
     }
   }
 }
+
+/**
+ * Returns the pose of a rigid mesh, 12 numbers, at a fraction of the way from the pose `start` to `target`, where an advance ends:
+ * fractionsOf has the fraction, which is the mesh's own or the least of its vertices. The daemon takes turns of up to 3 radians.
+ * Throws for a fraction that is not from 0 to 1, and, between these, for rotations that are half a turn apart.
+ */
+export function poseAlong(start: RigidMatrix, target: RigidMatrix, fraction: number): Float64Array {
+  const from = matrixOf(start, "start");
+  const to = matrixOf(target, "target");
+  checkFraction(fraction);
+  if (fraction === 0) return from;
+  if (fraction === 1) return to;
+  // The names of proto/CONVENTIONS.md.
+  const f = fraction;
+  const { c, v } = halfTurn(from, to);
+  const turn = (along: number, across: number, turned: number, x: Vector): Vector =>
+    plus(times(along, x), plus(times(across * dot(v, x), v), times(turned, cross(v, x))));
+  const q = dot(v, v);
+  const m = 2 * f - 1;
+  const h = (2 * (f * (1 - f))) / (c + Math.sqrt(Math.max(0, 1 - m * m * q)));
+  const s = f * c + h * q;
+  const r = f - h * c;
+  const columns = [0, 1, 2].map((k) => {
+    const a = column(from, k);
+    const back = turn(1 - 2 * q, 2, -2 * c, column(to, k));
+    return turn(1 - 2 * (r * q), 2 * r, 2 * s, plus(a, times(f, minus(back, a))));
+  });
+  const t = column(from, 3);
+  const way = minus(column(to, 3), t);
+  columns.push(plus(t, plus(times(f, way), times(h, cross(way, v)))));
+  return Float64Array.from({ length: 12 }, (_, i) => columns[i % 4][Math.floor(i / 4)]);
+}
+
+type Vector = [number, number, number];
+
+/** The rotation from one pose to another as a unit quaternion. */
+function halfTurn(from: Float64Array, to: Float64Array): { c: number; v: Vector } {
+  let cosine = 1;
+  let sine: Vector = [0, 0, 0];
+  for (let k = 0; k < 3; ++k) {
+    const a = column(from, k);
+    const b = column(to, k);
+    cosine += dot(a, b);
+    sine = plus(sine, cross(a, minus(b, a)));
+  }
+  if (!(cosine > 0 && cosine < Infinity)) {
+    throw invalid("target", "has a rotation that is half a turn from that of start; they must turn by less");
+  }
+  const length = Math.sqrt(cosine * cosine + dot(sine, sine));
+  return { c: cosine / length, v: times(1 / length, sine) };
+}
+
+/** One of [R | t], 0 to 3. */
+const column = (m: Float64Array, k: number): Vector => [m[k], m[4 + k], m[8 + k]];
+const plus = (a: Vector, b: Vector): Vector => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+const minus = (a: Vector, b: Vector): Vector => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const times = (s: number, a: Vector): Vector => [s * a[0], s * a[1], s * a[2]];
+const dot = (a: Vector, b: Vector) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a: Vector, b: Vector): Vector => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
 
 /**
  * Positions as Q16, each coordinate to the nearest step of the box. Throws for a box without three finite coordinates

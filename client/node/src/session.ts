@@ -16,7 +16,8 @@ import type { FrameStream } from "./stream.js";
 export interface SessionOptions {
   /**
    * Where the meshes are before the frame that is being sent: positions of every deformable mesh, the transform of every
-   * rigid one that has moved. Called after a loss only. With `advance`, in every mode, that is where moveAlong has them.
+   * rigid one that has moved. Called after a loss only. With `advance`, in every mode, that is where moveAlong and poseAlong have
+   * them.
    */
   restore: () => readonly MeshUpdateInput[];
   /** Seconds to try to get the connection back before `detect` rejects; 60. */

@@ -10,6 +10,7 @@ import {
   MeshMotion,
   type MeshUpdateInput,
   PositionFormat,
+  type RigidMatrix,
   type SceneInput,
   contactPoints,
   elementKind,
@@ -17,6 +18,7 @@ import {
   moveAlong,
   moveRigidly,
   packQuantized,
+  poseAlong,
   unpackQuantized,
 } from "../src/index.js";
 import { FLOOR, TWO_TRIANGLES, fall, refused, tipAt, useDaemon } from "./support.js";
@@ -121,6 +123,51 @@ for (const Type of [Float32Array, Float64Array]) {
   });
 }
 
+/** The pose that turns the tip about a line through (1, 1, 1), and moves it down. */
+function bodyTurned(angle: number, depth: number): number[] {
+  const [c, s] = [Math.cos(angle), Math.sin(angle)];
+  return [1, 0, 0, 0, 0, c, -s, 1 - c + s, 0, s, c, 1 - c - s - depth];
+}
+const AT_REST = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+
+for (const Type of [Float32Array, Float64Array]) {
+  for (const advanceMode of [AdvanceMode.PER_MESH, AdvanceMode.PER_VERTEX]) {
+    test(`poseAlong goes where the daemon goes, to the last bit, ${AdvanceMode[advanceMode]} (${Type.name})`, async () => {
+      const positionFormat = Type === Float32Array ? PositionFormat.F32 : PositionFormat.F64;
+      const [floor, tip] = TWO_TRIANGLES.meshes;
+      const spec = { ...TWO_TRIANGLES, positionFormat, minSeparation: 1e-2, meshes: [floor, { ...tip, motion: MeshMotion.RIGID }] };
+      const x = Type.from(tipAt(1.1));
+      const targets = [bodyTurned(0.3, 0.2), bodyTurned(1.2, 2.5), bodyTurned(0.1, 3)];
+      const first = [
+        { mesh: 0, positions: Type.from(FLOOR) },
+        { mesh: 1, positions: x },
+      ];
+      const frames = [first, ...targets.map((transform) => [{ mesh: 1, transform }])] as MeshUpdateInput[][];
+      const seen = await whereTheDaemonHasThem(used.client, spec, frames, { advance: true, advanceMode });
+      const isMesh = advanceMode === AdvanceMode.PER_MESH;
+      const fractions = seen.map(({ shortened }) => Math.min(...fractionsOf(shortened, isMesh ? 1 : 3, isMesh ? 1 : 3)));
+      let pose: RigidMatrix = AT_REST;
+      for (const [i, target] of targets.entries()) {
+        pose = poseAlong(pose, target, fractions[i + 1]);
+        const moved = x.slice();
+        moveRigidly(moved, pose);
+        assert.deepEqual(moved, seen[i + 1].positions);
+      }
+      assert(fractions[2] > 0 && fractions[2] < 1, `${fractions[2]} tests no rounding`);
+    });
+  }
+}
+
+test("poseAlong of what does not turn is moveAlong of its translation", () => {
+  const [start, target] = [bodyTurned(0.7, 1 / 3), bodyTurned(0.7, -9)];
+  for (const fraction of [0, 1e-300, 1 / 3, 0.5, 127 / 128, 1]) {
+    const [x, p] = [start, target].map((pose) => Float64Array.of(pose[3], pose[7], pose[11]));
+    moveAlong(x, p, fraction);
+    const expected = Float64Array.from(start, (entry, i) => (i % 4 === 3 ? x[(i - 3) / 4] : entry));
+    assert.deepEqual(poseAlong(start, target, fraction), expected);
+  }
+});
+
 test("Q16 is packed as the daemon reads it", async () => {
   const quantizationBox = { lower: [-1, -2, -3], upper: [5, 6.5, 9.1] };
   const spec = { ...TWO_TRIANGLES, positionFormat: PositionFormat.Q16, quantizationBox };
@@ -148,6 +195,14 @@ test("helpers refuse what they cannot do", async () => {
   await refused(() => moveAlong(three, new Float32Array(6), 0.5), Code.INVALID_ARGUMENT, "target");
   await refused(() => moveAlong(three, new Float64Array(3) as never, 0.5), Code.INVALID_ARGUMENT, "target");
   await refused(() => moveAlong(three, three, NaN), Code.INVALID_ARGUMENT, "fraction", /is NaN; it must be from 0 to 1/);
+  const half = [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 5];
+  await refused(() => poseAlong([1], half, 0.5), Code.INVALID_ARGUMENT, "start", /12 finite numbers/);
+  await refused(() => poseAlong(half, [...half.slice(1), NaN], 0.5), Code.INVALID_ARGUMENT, "target", /12 finite numbers/);
+  await refused(() => poseAlong(half, half, NaN), Code.INVALID_ARGUMENT, "fraction", /is NaN; it must be from 0 to 1/);
+  await refused(() => poseAlong(half, half, -0.1), Code.INVALID_ARGUMENT, "fraction", /is -0.1/);
+  await refused(() => poseAlong(half, half, Float64Array.of(0.5) as never), Code.INVALID_ARGUMENT, "fraction");
+  await refused(() => poseAlong(AT_REST, half, 0.5), Code.INVALID_ARGUMENT, "target", /half a turn from that of start/);
+  assert.deepEqual(poseAlong(AT_REST, half, 1), Float64Array.from(half));
   const [from, to] = [new Float32Array(6), new Float32Array(6).fill(1)];
   const each = (...fractions: number[]) => moveAlong(from, to, Float64Array.from(fractions));
   await refused(() => each(0.5), Code.INVALID_ARGUMENT, "fraction", /a Float64Array of 1; it must be a number, or a Float64Array of 2/);

@@ -26,7 +26,7 @@ from collided.frames.options import FrameOptions
 from collided.frames.updates import Rigid, Sparse
 from collided.meshes import Mesh
 from collided.options import SceneOptions
-from collided.positions import Box, move_along, move_rigidly, pack_quantized, unpack_quantized
+from collided.positions import Box, move_along, move_rigidly, pack_quantized, pose_along, unpack_quantized
 from collided.scene import Scene
 from collided.session import Session
 from collided.watch import Watched, Watcher
@@ -37,7 +37,7 @@ __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOpt
            "InvalidArgument", "Mesh", "MeshElements", "NotFound", "OwnDaemon", "PermissionDenied", "ResourceExhausted",
            "Rigid", "Scene", "SceneBatch", "SceneOptions", "Session", "Shortened", "Sparse", "Unauthenticated", "Unavailable",
            "Unimplemented", "Watched", "Watcher", "WorldContacts", "detect", "move_along", "move_rigidly",
-           "pack_quantized", "proximity",
+           "pack_quantized", "pose_along", "proximity",
            "unpack_quantized"]
 
 

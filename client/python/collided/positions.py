@@ -5,6 +5,7 @@ Every operation is in binary64, none fused, and the result is rounded to the sce
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -82,18 +83,79 @@ def move_along(positions: np.ndarray, target: np.ndarray, fraction: float | np.n
     x, p = numbers(positions, "positions"), numbers(target, "target")
     if x.shape != p.shape:
         raise InvalidArgument(f"target has shape {p.shape}, positions have {x.shape}", field="target")
-    a = numbers(fraction, "fraction").astype("<f8")
-    if a.ndim and a.shape != x.shape[:1]:
-        raise InvalidArgument(f"fraction has shape {a.shape}; it must be one number, or {x.shape[:1]}", field="fraction")
-    bad = np.flatnonzero(~((a >= 0) & (a <= 1)))
-    if bad.size:
-        where = f"fraction[{bad[0]}]" if a.ndim else "fraction"
-        raise InvalidArgument(f"{where} is {float(a.flat[bad[0]])!r}; it must be from 0 to 1", field="fraction")
+    a = _fractions(fraction, x.shape[:1])
     if a.ndim == 0 and a in (0, 1):
         return (p if a else x).astype(x.dtype)
     x64, a = x.astype("<f8"), a.reshape(-1, 1) if a.ndim else a
     between = (x64 + a * (p.astype("<f8") - x64)).astype(x.dtype)
     return np.where(a == 0, x, np.where(a == 1, p, between)).astype(x.dtype) if a.ndim else between
+
+
+def _fractions(fraction: Any, each: tuple[int, ...] | None = None) -> np.ndarray:
+    """One number from 0 to 1 as float64, or, of the shape `each`, one for each position."""
+    a = numbers(fraction, "fraction").astype("<f8")
+    if a.ndim and a.shape != each:
+        raise InvalidArgument(f"fraction has shape {a.shape}; it must be one number{f', or {each}' if each else ''}", field="fraction")
+    bad = np.flatnonzero(~((a >= 0) & (a <= 1)))
+    if bad.size:
+        where = f"fraction[{bad[0]}]" if a.ndim else "fraction"
+        raise InvalidArgument(f"{where} is {float(a.flat[bad[0]])!r}; it must be from 0 to 1", field="fraction")
+    return a
+
+
+def pose_along(start: Any, target: Any, fraction: float) -> np.ndarray:
+    """The pose of a rigid mesh after an advance went `fraction` (0 to 1) of the way from the pose `start` to `target`.
+
+    start, target: the rows of [R | t], (3, 4), or matrices (4, 4). The daemon takes turns of up to 3 radians.
+    fraction: one number, such as each of `Contacts.fractions` of the mesh.
+    Returns float64[3][4]. Raises InvalidArgument for another fraction or shape, and, between 0 and 1, for rotations that are
+    half a turn apart or not finite.
+    """
+    rows, other_rows = as_matrix(start, "start"), as_matrix(target, "target")
+    f = float(_fractions(fraction))
+    if f in (0, 1):
+        return other_rows if f else rows
+    # The names of proto/CONVENTIONS.md. numpy's own sums may have another order.
+    a, b = rows.T.tolist(), other_rows.T.tolist()
+    c, v = _half_turn(a, b)
+    q, m = _dot(v, v), 2 * f - 1
+    h = 2 * (f * (1 - f)) / (c + math.sqrt(max(0.0, 1 - (m * m) * q)))
+    s, r = f * c + h * q, f - h * c
+
+    def turn(along: float, across: float, turned: float, x: list[float]) -> list[float]:
+        scale = across * _dot(v, x)
+        return [along * x_i + (scale * v_i + turned * z_i) for x_i, v_i, z_i in zip(x, v, _cross(v, x))]
+
+    backs = [turn(1 - 2 * q, 2, -2 * c, b_k) for b_k in b[:3]]
+    columns = [turn(1 - 2 * (r * q), 2 * r, 2 * s, [x + f * (y - x) for x, y in zip(*pair)]) for pair in zip(a, backs)]
+    way = _minus(b[3], a[3])
+    columns.append([x + (f * y + h * z) for x, y, z in zip(a[3], way, _cross(way, v))])
+    return np.array([*zip(*columns)], "<f8")
+
+
+def _half_turn(a: list[list[float]], b: list[list[float]]) -> tuple[float, list[float]]:
+    """The rotation between two poses, given by their columns, as a unit quaternion."""
+    cosine, sine = 1.0, [0.0] * 3
+    for k in range(3):
+        cosine += _dot(a[k], b[k])
+        sine = [x + y for x, y in zip(sine, _cross(a[k], _minus(b[k], a[k])))]
+    if not 0 < cosine < math.inf:
+        raise InvalidArgument("target has a rotation that is half a turn from that of start, or one of them is not finite; "
+                              "they must turn by less", field="target")
+    length = math.sqrt(cosine * cosine + _dot(sine, sine))
+    return cosine / length, [(1 / length) * x for x in sine]
+
+
+def _minus(u: list[float], v: list[float]) -> list[float]:
+    return [x - y for x, y in zip(u, v)]
+
+
+def _dot(u: list[float], v: list[float]) -> float:
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
+def _cross(u: list[float], v: list[float]) -> list[float]:
+    return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 
 
 def move_rigidly(positions: np.ndarray, transform: Any) -> np.ndarray:

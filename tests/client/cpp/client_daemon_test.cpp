@@ -214,6 +214,44 @@ TEST_F(PressedVertex, ShortensItsMeshOrTheSceneInOtherModes) {
   }
 }
 
+TEST_F(ClientAndDaemon, PoseAlongGivesThePoseThatAnAdvanceEndsAt) {
+  const Triangles one{{0, 1, 2}}, sides{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  v1::SceneSpec spec;
+  spec.set_mode(v1::DETECTION_MODE_CCD);
+  spec.set_position_format(v1::POSITION_FORMAT_F64);
+  spec.set_min_separation(0.01);
+  const std::vector<MeshInput> meshes{{.name = "floor", .vertex_count = 3, .triangles = one, .is_static = true},
+                                      {.name = "body", .vertex_count = 4, .triangles = sides, .is_rigid = true}};
+  const v1::Scene scene = client.create_scene(spec, meshes);
+  Watcher watcher = client.watch(scene.scene_id(), {.meshes = {1}});
+  FrameStream stream = client.stream(scene, kOverGrpc);
+  const std::vector<double> floor{0, 0, 0, 4, 0, 0, 0, 4, 0}, body{0.9, 0.9, 1, 1.4, 1, 1.1, 1, 1.3, 1.2, 1.1, 1, 1.6};
+  const std::vector<FrameUpdate> first{{.mesh = 0, .positions = std::as_bytes(std::span(floor))},
+                                       {.mesh = 1, .positions = std::as_bytes(std::span(body))}};
+  stream.send(1, first);
+  stream.receive().check();
+  watcher.receive();
+  RigidMatrix pose{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  std::vector<double> went;
+  for (uint64_t step = 1; step <= 3; ++step) {
+    // About a line through (1, 1, 1), and down: at first to above the floor, and then through it.
+    const double angle = 0.9 * static_cast<double>(step), c = std::cos(angle), s = std::sin(angle);
+    const RigidMatrix target{1, 0, 0, 0, 0, c, -s, 1 - c + s, 0, s, c, 1 - c - s - (step == 1 ? 0.4 : 1.9)};
+    const FrameUpdate turn{.mesh = 1, .transform = &target};
+    stream.send(step + 1, {&turn, 1}, {.advance = true, .advance_mode = v1::ADVANCE_MODE_PER_MESH});
+    const FrameOutput output = stream.receive();
+    output.check();
+    went.push_back(output.advance.of_body(1, 3, 4));
+    pose = pose_along(pose, target, went.back());
+    std::vector<double> x = body;
+    move_rigidly(std::span(x), pose);
+    const std::string bytes(reinterpret_cast<const char*>(x.data()), x.size() * sizeof(double));
+    EXPECT_TRUE(watcher.receive().positions.at(0).positions() == bytes) << "step " << step << ", " << went.back();
+  }
+  EXPECT_GT(went[1], 0);
+  EXPECT_LT(went[1], 1);
+}
+
 TEST_F(ClientAndDaemon, AWatcherIsCancelledWhileItWaits) {
   const v1::Scene scene = make_scene();
   Watcher watcher = client.watch(scene.scene_id());

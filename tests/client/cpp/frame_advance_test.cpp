@@ -17,6 +17,7 @@
 #include "client/cpp/positions.hpp"
 #include "client/cpp/session/scene_memory.hpp"
 #include "client/cpp/transport/frame_transport.hpp"
+#include "gpu/positions/pose.hpp"
 
 namespace collided::client {
 namespace {
@@ -142,6 +143,90 @@ TEST(MoveAlong, RefusesLengthsThatAreNoPositions) {
   };
   EXPECT_EQ(error_of([&] { move(6, 3); }).message(), "target has 3 coordinates, positions have 6");
   EXPECT_EQ(error_of([&] { move(5, 5); }).code(), grpc::INVALID_ARGUMENT);
+}
+
+/// A turn about an axis of unit length, by this much, and a translation.
+RigidMatrix turned(const std::array<double, 3>& n, double angle, const std::array<double, 3>& translation) {
+  const double c = std::cos(angle), s = std::sin(angle), v = 1 - c;
+  return {c + n[0] * n[0] * v,        n[0] * n[1] * v - n[2] * s, n[0] * n[2] * v + n[1] * s, translation[0],
+          n[1] * n[0] * v + n[2] * s, c + n[1] * n[1] * v,        n[1] * n[2] * v - n[0] * s, translation[1],
+          n[2] * n[0] * v - n[1] * s, n[2] * n[1] * v + n[0] * s, c + n[2] * n[2] * v,        translation[2]};
+}
+
+/// Turns by this much from one pose to the next, about any axis.
+struct TwoPoses {
+  RigidMatrix from, to;
+
+  TwoPoses(std::mt19937& bits, double angle) {
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> turn(-3, 3);
+    const auto axis = [&] {
+      std::array<double, 3> n{normal(bits), normal(bits), normal(bits)};
+      const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+      for (double& x : n) x /= length;
+      return n;
+    };
+    const auto anywhere = [&] {
+      std::array<double, 3> t{};
+      for (double& x : t) x = normal(bits) * std::pow(10, turn(bits));
+      return t;
+    };
+    from = turned(axis(), turn(bits), anywhere());
+    const RigidMatrix by = turned(axis(), angle, {});
+    const std::array<double, 3> t = anywhere();
+    for (size_t i = 0; i < 3; ++i) {
+      for (size_t k = 0; k < 3; ++k)
+        to[4 * i + k] = by[4 * i] * from[k] + by[4 * i + 1] * from[4 + k] + by[4 * i + 2] * from[8 + k];
+      to[4 * i + 3] = t[i];
+    }
+  }
+};
+
+constexpr double kFractions[] = {0, 1e-300, 1e-9, 1.0 / 3, 0.5, 127.0 / 128, 0.9999999999, 1};
+
+TEST(PoseAlong, HasTheBitsOfTheEngine) {
+  std::mt19937 bits(11);
+  for (const double angle : {0.0, 1e-12, 1e-4, 0.3, 0.9, 2.0, 3.0})
+    for (int i = 0; i < 100; ++i) {
+      const TwoPoses poses(bits, angle);
+      for (const double fraction : kFractions) {
+        const RigidMatrix pose = pose_along(poses.from, poses.to, fraction);
+        const Pose expected = collided::pose_along(Pose{poses.from}, Pose{poses.to}, fraction);
+        EXPECT_EQ(std::memcmp(pose.data(), expected.rows.data(), sizeof(pose)), 0) << angle << " by " << fraction;
+      }
+    }
+}
+
+TEST(PoseAlong, IsThePoseWhoseTranslationWentThatFarWhereNothingTurns) {
+  std::mt19937 bits(13);
+  for (int i = 0; i < 100; ++i) {
+    TwoPoses poses(bits, 0);
+    for (size_t k = 0; k < 12; ++k)
+      if (k % 4 < 3) poses.to[k] = poses.from[k];
+    for (const double fraction : kFractions) {
+      RigidMatrix expected = poses.from;
+      for (const size_t k : {3, 7, 11}) move_along(std::span(&expected[k], 1), std::span(&poses.to[k], 1), fraction);
+      EXPECT_EQ(pose_along(poses.from, poses.to, fraction), expected) << fraction;
+    }
+  }
+}
+
+TEST(PoseAlong, RefusesWhatIsNoFractionAndNoShorterWayRound) {
+  const RigidMatrix rest{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, half{-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 5};
+  RigidMatrix infinite = rest, nothing = rest;
+  infinite[0] = HUGE_VAL, nothing[5] = kNan;
+  for (const double fraction : {-0.1, 1.5, kNan}) {
+    const Error error = error_of([&] { pose_along(rest, rest, fraction); });
+    EXPECT_EQ(error.code(), grpc::INVALID_ARGUMENT);
+    EXPECT_NE(error.message().find("it must be from 0 to 1"), std::string::npos) << error.message();
+  }
+  for (const RigidMatrix& bad : {half, infinite, nothing}) {
+    const Error error = error_of([&] { pose_along(rest, bad, 0.5); });
+    EXPECT_EQ(error.code(), grpc::INVALID_ARGUMENT);
+    EXPECT_NE(error.message().find("half a turn apart"), std::string::npos) << error.message();
+  }
+  EXPECT_EQ(pose_along(rest, half, 1), half);
+  EXPECT_EQ(pose_along(half, rest, 0), half);
 }
 
 /// A daemon's messages to the one frame that a stream sends.
@@ -319,6 +404,19 @@ TEST_F(SceneMemoryOfAdvances, FollowsEachVertexAndBodiesAsAWhole) {
   expect_at(now[0], between(cloth, new_cloth, {1, 0.125, 1}));
   EXPECT_EQ(*now[1].transform, (RigidMatrix{1, 0, 0, 4, 0, 1, 0, 8, 0, 0, 1, 16}));
   expect_at(now[2], between(strip, new_strip, {1, 0.75}));
+}
+
+TEST_F(SceneMemoryOfAdvances, FollowsBodiesThatTurn) {
+  const RigidMatrix start = turned({0.6, 0, 0.8}, 0.4, {1, 2, 3}), end = turned({0, 1, 0}, 0.9, {4, -5, 1.0 / 3});
+  for (const RigidMatrix* from : {&start, static_cast<const RigidMatrix*>(nullptr)}) {
+    SceneMemory memory(spec, meshes);
+    begin(memory);
+    const FrameUpdate turn{.mesh = 1, .transform = &end, .start_transform = from};
+    memory.apply(OwnedFrame(std::span(&turn, 1), {.advance = true, .advance_mode = kPerMesh}),
+                 answer_of({kPerMesh, 0.375, {1}, {0.375}}));
+    EXPECT_EQ(*memory.updates(true)[1].transform,
+              pose_along(from ? start : RigidMatrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, end, 0.375));
+  }
 }
 
 TEST_F(SceneMemoryOfAdvances, FollowsSomeVerticesFromWhereTheyAreOrBegin) {

@@ -1,8 +1,9 @@
-// What the C++ client makes of positions, for positions_test.py to compare: doubles on standard input, doubles on standard
-// output (or uint16 of q16), x y z per vertex.
+// What the C++ client makes of positions, for positions_test.py to compare: doubles on standard input, doubles on
+// standard output (or uint16 of q16), x y z per vertex.
 //
 // usage: positions_bits f32|f64 along FRACTION   < positions, targets
 //        positions_bits f32|f64 rigid            < 12 numbers of the matrix, positions
+//        positions_bits f64 pose FRACTION        < 12 numbers of each of two matrices; writes those of a third
 //        positions_bits f64 q16                  < 3 of the box's lower corner, 3 of its upper one, positions
 
 #include <cstdio>
@@ -29,6 +30,12 @@ std::vector<Real> as(std::span<const double> values) {
   return out;
 }
 
+RigidMatrix matrix_of(std::span<const double> in) {
+  RigidMatrix matrix;
+  std::copy_n(in.begin(), matrix.size(), matrix.begin());
+  return matrix;
+}
+
 template <class Real>
 std::vector<Real> moved(std::span<const double> in, const char* how, double fraction) {
   if (std::strcmp(how, "along") == 0) {
@@ -37,8 +44,7 @@ std::vector<Real> moved(std::span<const double> in, const char* how, double frac
     move_along(std::span(x), std::span<const Real>(target), fraction);
     return x;
   }
-  RigidMatrix matrix;
-  std::copy_n(in.begin(), matrix.size(), matrix.begin());
+  const RigidMatrix matrix = matrix_of(in);
   auto x = as<Real>(in.subspan(matrix.size()));
   move_rigidly(std::span(x), matrix);
   return x;
@@ -68,6 +74,11 @@ int main(int argc, char** argv) {
   const std::vector<double> in = read_all();
   if (std::strcmp(argv[2], "q16") == 0) return write_quantized(in), 0;
   const double fraction = argc > 3 ? std::strtod(argv[3], nullptr) : 0;
+  if (std::strcmp(argv[2], "pose") == 0) {
+    const std::span<const double> all(in);
+    const RigidMatrix pose = pose_along(matrix_of(all.first(12)), matrix_of(all.subspan(12)), fraction);
+    return write_all(pose.data(), pose.size()), 0;
+  }
   if (std::strcmp(argv[1], "f32") == 0) {
     const std::vector<float> x = moved<float>(in, argv[2], fraction);
     const std::vector<double> wide(x.begin(), x.end());

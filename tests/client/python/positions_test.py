@@ -8,7 +8,7 @@ import subprocess
 import sys
 import unittest
 
-from support import main, np
+from support import main, np, turned
 
 import collided
 from collided.positions import FORMATS, format_named, format_row
@@ -72,6 +72,27 @@ class SameBits(unittest.TestCase):
             np.testing.assert_array_equal(collided.move_rigidly(x, turn).astype("<f8"),
                                           in_cpp([name, "rigid"], turn, x))
 
+    def test_the_pose_of_an_advance(self):
+        random = np.random.default_rng(5)
+        for angle in (0, 1e-12, 1e-4, 0.3, 0.9, 2, 3):
+            start, by = (turned(random.standard_normal(3), each, random.standard_normal(3) * 10.0 ** random.integers(-6, 7, 3))
+                         for each in (random.uniform(-3, 3), angle))
+            target = np.hstack([by[:, :3] @ start[:, :3], by[:, 3:]])
+            for fraction in (0.0, 1.0, 0.5, 1 / 3, 0.9999999999, 1e-300, 127 / 128):
+                ours = collided.pose_along(start, np.vstack([target, [0, 0, 0, 1]]), fraction)
+                self.assertEqual((ours.shape, ours.dtype, ours.flags.c_contiguous), ((3, 4), np.dtype("<f8"), True))
+                expected = in_cpp(["f64", "pose", repr(fraction)], start, target)
+                self.assertEqual(ours.tobytes(), expected.tobytes(), f"{angle}, {fraction}")
+
+    def test_the_pose_of_a_mesh_that_does_not_turn_is_that_of_its_translation(self):
+        random = np.random.default_rng(17)
+        rotation = turned((3, -1, 2), 0.7)[:, :3]
+        start, target = (np.hstack([rotation, random.standard_normal((3, 1))]) for _ in range(2))
+        for fraction in (0.0, 1.0, 0.5, 1 / 3, 127 / 128):
+            pose = collided.pose_along(start, target, fraction)
+            np.testing.assert_array_equal(pose[:, :3], rotation)
+            np.testing.assert_array_equal(pose[:, 3], collided.move_along(start[:, 3], target[:, 3], fraction))
+
     def test_encoded_positions(self):
         random = np.random.default_rng(3)
         lower, upper = (-3.0, 1.0, 2.5), (5.0, 1.0, 2.75)
@@ -108,6 +129,24 @@ class SameBits(unittest.TestCase):
             collided.move_along(x, x[:1], 0.5)
         with self.assertRaisesRegex(ValueError, r"transform has shape \(2, 2\)"):
             collided.move_rigidly(x, np.eye(2))
+
+    def test_poses_that_have_no_way_between_them_are_refused(self):
+        here, half = np.eye(3, 4), np.diag([-1.0, -1, 1, 1])
+        for bad in (-0.1, 1.5, np.nan):
+            with self.assertRaisesRegex(collided.InvalidArgument, "fraction is .*; it must be from 0 to 1"):
+                collided.pose_along(here, here, bad)
+        for bad in ([0.5], [0.5, 0.5], [[0.5]]):
+            with self.assertRaisesRegex(collided.InvalidArgument, r"fraction has shape .*; it must be one number$"):
+                collided.pose_along(here, here, bad)
+        for name, poses in (("start", (np.eye(2), here)), ("target", (here, np.eye(2)))):
+            with self.assertRaisesRegex(collided.InvalidArgument, rf"{name} has shape \(2, 2\)"):
+                collided.pose_along(*poses, 0.5)
+        for bad in (half, np.where(here == 1, np.nan, 0), np.where(here == 1, np.inf, 0)):
+            with self.assertRaisesRegex(collided.InvalidArgument, "half a turn from that of start") as caught:
+                collided.pose_along(here, bad, 0.5)
+            self.assertEqual(caught.exception.field, "target")
+        np.testing.assert_array_equal(collided.pose_along(here, half, 1), half[:3])
+        np.testing.assert_array_equal(collided.pose_along(half, here, 0), half[:3])
 
 
 if __name__ == "__main__":

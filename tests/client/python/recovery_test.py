@@ -12,7 +12,8 @@ import time
 import unittest
 from unittest import mock
 
-from support import DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, Daemon, Supervised, assert_same, lowered, main, meshes, np
+from support import (DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, Daemon, Supervised, assert_same, body_turned, lowered, main, meshes,
+                     np, turning)
 
 import collided
 from collided.connection import own_daemon
@@ -132,6 +133,26 @@ class Killed(unittest.TestCase):
                 assert_same(self, answer, other)
             for name in wanted:
                 np.testing.assert_array_equal(positions[name], wanted[name])
+
+    def test_where_a_mesh_that_turns_went_is_known_to_a_new_scene(self):
+        def run(mode, is_lost):
+            session = collided.Session(turning(), server=self.daemon.address, min_separation=0.01)
+            self.addCleanup(session.close)
+            answers = []
+            for step, (angle, depth) in enumerate(((1.1, 2), (1.6, 2.2), (0.2, 0.3))):
+                if is_lost and step:
+                    self.daemon.kill()
+                answers.append(session.step({"body": collided.Rigid(body_turned(angle, depth))}, advance=mode))
+            self.assertEqual(session.recreations, 2 * is_lost)
+            return answers, session.positions["body"]
+
+        for mode in (True, "per_mesh", "per_vertex"):
+            (answers, positions), (expected, wanted) = run(mode, True), run(mode, False)
+            self.assertTrue(0 < answers[0].advanced < 1)
+            for answer, other in zip(answers, expected, strict=True):
+                assert_same(self, answer, other)
+                self.assertEqual(answer.advanced, other.advanced)
+            np.testing.assert_array_equal(positions, wanted)
 
     def test_rest_pairs_stay_those_of_the_beginning(self):
         def run(kill_at):

@@ -12,7 +12,8 @@ import traceback
 import warnings
 from unittest import mock
 
-from support import DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, lowered, main, meshes, np, skip_if_forks_hang
+from support import (BODY, DAEMON, FLOOR, ONE, STREAMS, TIP, TRANSPORTS, Case, assert_same, body_turned, lowered, main, meshes, np,
+                     skip_if_forks_hang, turning)
 
 import collided
 from collided.frames.updates import Update
@@ -186,6 +187,26 @@ class Sessions(Case):
                         seen = watcher.receive(timeout=30).positions
                     for name, positions in seen.items():
                         np.testing.assert_array_equal(session.positions[name], positions)
+                    session.close()
+
+    def test_an_advance_turns_rigid_meshes_to_the_daemons_bits(self):
+        for form, dtype in (("f32", "<f4"), ("f64", "<f8")):
+            for mode in (True, "per_mesh", "per_vertex"):
+                with self.subTest(form=form, mode=mode):
+                    session = self.session(turning(), position_format=form, min_separation=0.01)
+                    pose, went, last = np.eye(3, 4), [], None
+                    with session.scene.watch(meshes=["body"]) as watcher:
+                        for angle, depth in ((0.4, 0.5), (1.3, 2), (1.9, 2)):
+                            target = body_turned(angle, depth)
+                            gone = session.step({"body": collided.Rigid(target)}, advance=mode)
+                            went.append(gone.fractions("body")[0])
+                            pose = collided.pose_along(pose, target, went[-1])
+                            while last is None or last.contacts.frame_id != session.scene.track.last_applied:
+                                last = watcher.receive(timeout=30)
+                            expected = collided.move_rigidly(BODY.astype(dtype), pose)
+                            np.testing.assert_array_equal(last.positions["body"], expected)
+                            np.testing.assert_array_equal(session.positions["body"], expected)
+                    self.assertTrue(0 < went[1] < 1, went)
                     session.close()
 
     def test_trials_leave_the_scene_and_fractions_go_on_along_them(self):

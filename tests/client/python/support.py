@@ -46,6 +46,30 @@ def lowered(depth):
     return TIP - np.array([0, 0, depth], "<f4")
 
 
+def turned(axis, angle, translation=(0, 0, 0)):
+    """The pose that turns by `angle`, in radians, about an axis through the origin, and then moves."""
+    x, y, z = np.asarray(axis) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    rotation = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return np.hstack([rotation, np.reshape(translation, (3, 1))])
+
+
+BODY = np.array([[0.9, 0.9, 1], [1.4, 1, 1.1], [1, 1.3, 1.2], [1.1, 1, 1.6]])  # above the floor's inside
+SIDES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], "<u4")
+
+
+def body_turned(angle, depth):
+    """The pose that turns the body about itself and moves it down."""
+    middle = BODY.mean(axis=0)
+    rotation = turned((1, 2, 2), angle)[:, :3]
+    return np.hstack([rotation, (middle - rotation @ middle - [0, 0, depth])[:, None]])
+
+
+def turning():
+    """The floor, static, and a rigid body."""
+    return {"floor": collided.Mesh(FLOOR, ONE, motion="static"), "body": collided.Mesh(BODY, SIDES, motion="rigid")}
+
+
 def meshes(**tip):
     """The floor, static, and the tip, where they begin."""
     return {"floor": collided.Mesh(FLOOR, ONE, motion="static"), "tip": collided.Mesh(TIP, ONE, **tip)}

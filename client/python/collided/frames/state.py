@@ -11,7 +11,7 @@ import numpy as np
 from collided.frames.advance import Advance
 from collided.frames.updates import Update
 from collided.layout import Layout
-from collided.positions import Format, move_along, move_rigidly
+from collided.positions import Format, move_along, move_rigidly, pose_along
 
 _MAX_PATCHES = 64
 _AT_REST = np.eye(3, 4)
@@ -89,9 +89,7 @@ class Way(NamedTuple):
         if np.all(fraction == 0):
             return start
         if end.pose is not None and start.pose is not None:
-            pose = end.pose.copy()
-            pose[:, 3] = move_along(start.pose[:, 3], end.pose[:, 3], fraction)
-            return replace(end, pose=pose)
+            return replace(end, pose=pose_along(start.pose, end.pose, float(fraction)))  # it goes as a whole
         positions = move_along(start.real(self.form), end.real(self.form), fraction)
         return replace(end, base=positions, patches=())
 

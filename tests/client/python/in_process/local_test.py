@@ -15,7 +15,7 @@ import unittest
 import warnings
 from unittest import mock
 
-from support import DAEMON, FLOOR, ONE, STRICT, TIP, lowered, meshes
+from support import DAEMON, FLOOR, ONE, STRICT, TIP, lowered, meshes, turned
 
 import numpy as np
 
@@ -76,7 +76,8 @@ def run(server, options):
         out.append(session.step({"cloth": few}))
         if options == {}:
             for i, mode in enumerate((True, "per_mesh", "per_vertex")):
-                out.append(session.step({"cloth": wave(3 + i, 0.4 - 0.2 * i, dtype)}, advance=mode, delta=1e-6))
+                turn = collided.Rigid(turned((1, 2, 2), 0.9 * (i + 1), POSE[:, 3]))
+                out.append(session.step({"cloth": wave(3 + i, 0.4 - 0.2 * i, dtype), "ground": turn}, advance=mode, delta=1e-6))
         return out, session.positions
 
 
