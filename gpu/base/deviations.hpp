@@ -23,7 +23,7 @@ struct Deviations {
   uint32_t meshes = 0;
   double times = 1;  ///< a factor on all deviations
 
-  /// Those of all parts of the step's ways that begin where it does (positions/rigid_arc.cpp).
+  /// Returns deviations that hold for each part of the step's ways that begins where the step does.
   COLLIDED_HD Deviations of_parts() const { return {first_vertex, of_mesh, meshes, kOfParts * times}; }
   static constexpr double kOfParts = 4;
 

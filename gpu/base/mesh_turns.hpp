@@ -1,13 +1,13 @@
 #pragma once
-// How rigid meshes turn in a step, or in the part of it that they go. A mesh moves along the screw between two poses.
+// Says how rigid meshes turn on their ways. A mesh moves along the screw from its pose at the start to that at the end.
 
 #include "gpu/base/deviations.hpp"
 #include "gpu/base/vec3.hpp"
 
 namespace collided {
 
-/// Of one mesh. Lengths are bounds of all of its vertices, in the unit of the positions. What positions lose when they
-/// are rounded to the scene's format counts in `rounded` alone.
+/// Holds how one mesh turns. Lengths are in the unit of the positions, and no vertex exceeds them. Only `rounded`
+/// counts what positions lose when they are rounded to the scene's format.
 struct MeshTurn {
   double deviation = 0;       ///< between screw and straight way; 0: the mesh does not turn
   double rounding = 0;        ///< the part of it that rounding of poses and what R is off a rotation explain
@@ -23,13 +23,13 @@ struct MeshTurn {
   }
 };
 
-/// By mesh. None where no mesh can turn.
+/// Holds the turns of all meshes of a scene; of none where no mesh can turn.
 struct MeshTurns {
   const uint32_t* first_vertex = nullptr;  ///< of each mesh
   const MeshTurn* of_mesh = nullptr;
   uint32_t meshes = 0;
 
-  /// Null of a mesh that does not turn, which it is enough to name a vertex of.
+  /// Returns how the mesh of a vertex turns; null: it does not.
   COLLIDED_HD const MeshTurn* of(uint32_t vertex) const {
     if (meshes == 0) return nullptr;
     const MeshTurn* turn = of_mesh + mesh_at(first_vertex, meshes, vertex);
@@ -37,7 +37,7 @@ struct MeshTurns {
   }
 };
 
-/// How the meshes of a pair's features turn; null: not at all.
+/// Holds how the meshes of both features of a pair turn; null: not at all.
 struct PairTurn {
   const MeshTurn* first = nullptr;
   const MeshTurn* second = nullptr;

@@ -18,7 +18,8 @@ struct ContactData {
 
 // At kExact. `is_at_zero`: the contact has a time of impact, which is 0.
 
-/// A mesh of the pair turns: what exact arithmetic says of straight paths does not hold for it. In no answer.
+/// Marks a pair one of whose meshes turns: what exact arithmetic says of straight paths does not hold for it. No answer
+/// has the mark.
 constexpr uint8_t kFlagOnArc = 64;
 
 /// Whether only exact arithmetic can decide a contact: it is not certain, its time was left far off by the limit of

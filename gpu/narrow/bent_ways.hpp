@@ -24,7 +24,8 @@
 
 namespace collided {
 
-/// The differences of a pair on its ways, and what these may be off, in the unit of the positions.
+/// Holds the differences of a pair, as a view has them. On the true way they are off the straight lines between these
+/// by `off` at most, in the unit of the positions.
 template <int N>
 struct BentWay {
   Differences<double, N> d;
@@ -33,13 +34,13 @@ struct BentWay {
 
 namespace detail {
 
-/// Whether the k-th vertex of a pair is the first feature's.
+/// True if the k-th vertex of a pair belongs to the first feature.
 template <class Kind>
 COLLIDED_HD bool is_of_first(int k) {
   return k < (DifferenceOf<Kind>::kCount == 3 ? 1 : 2);
 }
 
-/// How far the vertices of both features go, at most.
+/// Holds how far the vertices of each feature go at most.
 struct Chords {
   double first = 0, second = 0;
 
@@ -56,14 +57,15 @@ struct Chords {
   }
 };
 
-/// What vertices of a mesh that go no farther than this between rounded positions are off their straight ways.
+/// Returns how far vertices of a mesh may be off their straight ways. They go no farther than `chord`, between rounded
+/// positions.
 COLLIDED_HD inline double off_straight(const MeshTurn* turn, double chord) {
   if (turn == nullptr) return 0;
   const double of_these = turn->bend * (chord + 2 * turn->rounded) + turn->rounding;
   return min(turn->deviation, of_these * (1 + 8 * Precision<double>::kUnit));
 }
 
-/// What both features are together.
+/// Returns the same of both features together.
 COLLIDED_HD inline double off_straight(const PairTurn& turn, const Chords& chords) {
   return Deviations::widened(off_straight(turn.first, chords.first), off_straight(turn.second, chords.second));
 }
@@ -71,10 +73,11 @@ COLLIDED_HD inline double off_straight(const PairTurn& turn, const Chords& chord
 COLLIDED_HD inline double sine_of_half(const MeshTurn& turn) {
   return square_root(dot(turn.half_turn, turn.half_turn));
 }
-/// Of the angle up to which meshes are seen from each other.
+/// Meshes that turn by more than this says are not seen from each other.
 constexpr double kMostSineOfHalf = 0.4794;
 
-/// A way as `by` sees it, where the other feature's mesh turns by `other`, and its vertices go no farther than `chord`.
+/// Returns a way as the mesh that turns by `by` sees it. The other feature's mesh turns by `other`, and its vertices go
+/// no farther than `chord`.
 template <int N>
 COLLIDED_HD BentWay<N> seen_from(const MeshTurn& by, const MeshTurn& other, double chord, Differences<double, N> d) {
   constexpr double u = Precision<double>::kUnit;

@@ -117,7 +117,7 @@ struct PairFloors {
   double noise;  ///< what rounding of positions explains
   bool is_tiny;  ///< the floors say nothing of such a pair
 
-  /// What straight lines keep of pairs whose ways bend a little.
+  /// Returns the distance that straight lines keep for ways that bend a little: it leaves room below it.
   COLLIDED_HD double bent_way() const { return way + kept / 32; }
 };
 

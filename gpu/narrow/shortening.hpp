@@ -61,8 +61,8 @@ COLLIDED_HD bool stands_still(const FeaturePoints<Real>& way) {
   return true;
 }
 
-/// What keeps_floors() says at a glance: in float, along one direction. It is enough for most pairs. `off`: how far the
-/// way may be off its straight line.
+/// Tries keeps_floors() at a glance, in float and along one direction. That is enough for most pairs. The way may be
+/// off its straight line by `off`.
 template <class Kind, class Real>
 COLLIDED_HD bool keeps_floors_at_a_glance(const FeaturePoints<Real>& way, const PairFloors& floors, double off) {
   DifferencesOf<float, Kind> d;
@@ -123,8 +123,8 @@ COLLIDED_HD void shorten_turns(const PairTurn& turn, double share, Shares& share
     if ((is_of_first<Kind>(i) ? turn.first : turn.second) != nullptr) shares.of[i] = min(shares.of[i], share);
 }
 
-/// The share of a pair's turns with which its way may be free. What is left of a turn is off its straight line by the
-/// square of the share, or about that. Meshes that turn by too much to be seen from each other turn by less first.
+/// Returns the share of a pair's turns with which its way may be free. A part of a turn is off its straight line by
+/// about the square of the share. Meshes that turn by too much to be seen from each other turn by less first.
 template <int N>
 COLLIDED_HD double share_of_turns(const BentWay<N>& bent, const PairFloors& floors, const PairTurn& turn,
                                   const Group& team) {

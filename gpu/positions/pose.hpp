@@ -26,12 +26,13 @@ struct Pose {
 double rotation_defect(const Pose& pose);
 double determinant(const Pose& pose);
 
-/// The vector part of the rotation from one pose to another as a unit quaternion: sin(angle / 2) times the axis.
+/// Returns sin(angle / 2) times the axis of the rotation from one pose to another.
 Vec3<double> half_turn(const Pose& from, const Pose& to);
 
-/// The pose at a fraction of the way from one pose to another. A vertex is then beside the point at this fraction of
-/// the straight way between where the poses put it: on the side where it turns to, off by no more than the sagitta of
-/// its arc. The axis is that of the screw from pose to pose. Both ends are exact. The source has the derivation.
+/// Returns the pose at a fraction of the way from one pose to another. A vertex is then beside the point at this
+/// fraction of the straight way between where the poses put it: on the side where it turns to, off by no more than the
+/// sagitta of its arc. The axis is that of the screw from pose to pose. Both ends are exact. The source has the
+/// derivation.
 Pose pose_along(const Pose& from, const Pose& to, double fraction);
 
 /// fl(fl(fl(fl(r0 x) + fl(r1 y)) + fl(r2 z)) + t) for each row, every operation rounded to binary64 (none fused), then

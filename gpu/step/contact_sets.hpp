@@ -20,7 +20,7 @@ size_t count_open(const ContactSet& set, const std::vector<size_t>& places);
 void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers,
            const std::vector<Normal>& normals);
 
-/// Takes kFlagOnArc away.
+/// Removes kFlagOnArc from all flags.
 void take_marks(CpuLoops& loops, ContactSet& set);
 
 /// Leaves one contact in all: the earliest; of several the first of the first kind.

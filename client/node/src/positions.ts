@@ -60,7 +60,7 @@ export function moveRigidly(positions: RealPositions, matrix: RigidMatrix): void
 /**
  * Returns the pose of a rigid mesh, 12 numbers, at a fraction of the way from the pose `start` to `target`, where an advance ends:
  * fractionsOf has the fraction, which is the mesh's own or the least of its vertices. The daemon takes turns of up to 3 radians.
- * Throws for a fraction that is not from 0 to 1, and, between these, for rotations that are half a turn apart.
+ * Throws for a fraction that is not from 0 to 1. Between these it also throws for rotations that are half a turn apart.
  */
 export function poseAlong(start: RigidMatrix, target: RigidMatrix, fraction: number): Float64Array {
   const from = matrixOf(start, "start");

@@ -104,12 +104,12 @@ def _fractions(fraction: Any, each: tuple[int, ...] | None = None) -> np.ndarray
 
 
 def pose_along(start: Any, target: Any, fraction: float) -> np.ndarray:
-    """The pose of a rigid mesh after an advance went `fraction` (0 to 1) of the way from the pose `start` to `target`.
+    """Returns the pose of a rigid mesh after an advance went `fraction` (0 to 1) of the way from the pose `start` to `target`.
 
     start, target: the rows of [R | t], (3, 4), or matrices (4, 4). The daemon takes turns of up to 3 radians.
     fraction: one number, such as each of `Contacts.fractions` of the mesh.
-    Returns float64[3][4]. Raises InvalidArgument for another fraction or shape, and, between 0 and 1, for rotations that are
-    half a turn apart or not finite.
+    The result is float64[3][4]. Raises InvalidArgument for another fraction or shape. Between 0 and 1 it also raises it for
+    rotations that are half a turn apart or not finite.
     """
     rows, other_rows = as_matrix(start, "start"), as_matrix(target, "target")
     f = float(_fractions(fraction))
