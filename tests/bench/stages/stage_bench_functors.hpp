@@ -47,6 +47,7 @@ class FoundContacts {
     return {{{q.start, q.end, q.thickness, q.doubt, q.delta, q.kind, keys},
              reporter.start_thickness,
              reporter.skips_separating,
+             reporter.is_exact,
              reporter.contacts},
             time_bits,
             {near_misses_.list().count, keys.size()}};
@@ -146,7 +147,7 @@ template <class Work, class Kind, class Candidate>
 AdvanceCcd<Work, float, Kind, Candidate> advance_to_the_end(const StageScene& s,
                                                             const std::vector<Candidate>& candidates,
                                                             FoundContacts& found) {
-  return {{queries<Kind>(s, candidates), 0, false, found.sink()}, found.near_misses()};
+  return {{queries<Kind>(s, candidates), 0, false, false, found.sink()}, found.near_misses()};
 }
 
 /// A query that advances in double from t = 0.
