@@ -39,7 +39,7 @@ class LocalTransport:
         files = self._memory.describe(opening)
         packet = local_pb2.LocalRequest(open=opening).SerializeToString()
         try:
-            if files and sys.platform == "linux":
+            if sys.platform == "linux" and files:
                 socket.send_fds(self._socket, [packet], files)
             else:
                 self._socket.send(packet)
