@@ -376,8 +376,8 @@ struct FrameResult : PerKind<ContactSet> {
   EngineFacts broad_phase;
   ReuseFacts reuse;
   double earliest_toi = 1;  ///< CCD; from kGuarded on no contact is earlier
-  /// How far the scene went, in [0, 1], by the formulas of positions/blend.hpp, and positions/pose.hpp for rigid meshes:
-  /// the least fraction of anything that moves; where the frame asked to advance.
+  /// The least fraction of its way, in [0, 1], that anything went. Frames that ask to advance have it. Formulas of
+  /// where vertices are then stand in positions/blend.hpp, those of rigid meshes in positions/pose.hpp.
   std::optional<double> advanced = {};
   /// Of such a frame: the sum of the lengths of all vertices' ways that were gone, divided by that of the whole ways;
   /// 1 if nothing moves. Within 2^-20 of the truth in scenes of up to a million vertices.

@@ -22,7 +22,7 @@ struct FrameOptions {
   bool trial = false;
   std::optional<double> from_last_fraction = {};
   std::optional<v1::SceneEdit> edit = {};  ///< of edited_mesh() and removed_mesh(), and of pairs of meshes
-  /// Of a set, whose frames have one update, as SetUpdate has it (client/cpp/batch/scene_set.hpp).
+  /// Only for sets, whose frames have one update: as in SetUpdate (client/cpp/batch/scene_set.hpp).
   std::vector<uint32_t> worlds = {}, meshes = {};
 };
 

@@ -6,7 +6,7 @@
 
 namespace collided {
 
-/// The mesh of a vertex; `first_vertex`: of each mesh, ascending.
+/// Returns the mesh of a vertex. `first_vertex`: of each mesh, ascending.
 COLLIDED_HD inline uint32_t mesh_at(const uint32_t* first_vertex, uint32_t meshes, uint32_t vertex) {
   uint32_t low = 0, high = meshes;
   while (high - low > 1) {

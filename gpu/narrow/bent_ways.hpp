@@ -1,8 +1,9 @@
 #pragma once
-// Ways of pairs with rigid meshes that turn. Their vertices go along arcs; the straight ways between the ends are off
-// these by known bounds (base/mesh_turns.hpp). A pair is looked at in up to three views, each of which is right:
-// - As it is. What the straight ways of both features are apart, the arcs are apart to within what both are off.
-// - From the mesh of either feature, if both turn: it and whatever turns with it stand still.
+// Bounds the ways of pairs whose rigid meshes turn. Vertices of such a mesh go along arcs. A known bound says how far
+// an arc is off the straight way between its ends (base/mesh_turns.hpp). A pair has up to three views, and any of them
+// may be used:
+// - The scene's own. The distance of the arcs differs from that of the straight ways by the bounds of both features.
+// - That of either mesh, if both turn. The mesh stands still there, and so does whatever turns with it.
 //
 // Seen from a mesh. Let two meshes move at even speed along screws of angular velocities w1 and w2. Velocities at a
 // point p are v1(p) and v2(p), and u = v1 - v2. A difference of vertices p1 of the first and p2 of the second mesh,
@@ -34,12 +35,6 @@ struct BentWay {
 
 namespace detail {
 
-/// True if the k-th vertex of a pair belongs to the first feature.
-template <class Kind>
-COLLIDED_HD bool is_of_first(int k) {
-  return k < (DifferenceOf<Kind>::kCount == 3 ? 1 : 2);
-}
-
 /// Holds how far the vertices of each feature go at most.
 struct Chords {
   double first = 0, second = 0;
@@ -49,7 +44,7 @@ struct Chords {
     double first = 0, second = 0;
     for (int k = 0; k < 4; ++k) {
       const Vec3<double> chord = convert<double>(way.end[k]) - convert<double>(way.start[k]);
-      double& most = is_of_first<Kind>(k) ? first : second;
+      double& most = k < DifferenceOf<Kind>::kOfFirst ? first : second;
       most = max(most, dot(chord, chord));
     }
     constexpr double kRoundings = 1 + 8 * Precision<double>::kUnit;
@@ -73,8 +68,12 @@ COLLIDED_HD inline double off_straight(const PairTurn& turn, const Chords& chord
 COLLIDED_HD inline double sine_of_half(const MeshTurn& turn) {
   return square_root(dot(turn.half_turn, turn.half_turn));
 }
-/// Meshes that turn by more than this says are not seen from each other.
+/// Meshes of which one turns by more than this says are not seen from each other.
 constexpr double kMostSineOfHalf = 0.4794;
+/// Returns the sine of half the greater angle, of meshes that both turn.
+COLLIDED_HD inline double greater_sine_of_half(const PairTurn& turn) {
+  return max(sine_of_half(*turn.first), sine_of_half(*turn.second));
+}
 
 /// Returns a way as the mesh that turns by `by` sees it. The other feature's mesh turns by `other`, and its vertices go
 /// no farther than `chord`.
@@ -115,9 +114,7 @@ COLLIDED_HD BentWay<N> bent_way(const FeaturePoints<Real>& way, const Difference
   if (turn.is_straight()) return {d, 0};
   const detail::Chords chords = detail::Chords::of<Kind>(way);
   BentWay<N> best{d, detail::off_straight(turn, chords)};
-  if (!turn.both() || !(detail::sine_of_half(*turn.first) < detail::kMostSineOfHalf) ||
-      !(detail::sine_of_half(*turn.second) < detail::kMostSineOfHalf))
-    return best;
+  if (!turn.both() || !(detail::greater_sine_of_half(turn) < detail::kMostSineOfHalf)) return best;
   best = detail::better_of(best, detail::seen_from(*turn.second, *turn.first, chords.first, d));
   return detail::better_of(best, detail::seen_from(*turn.first, *turn.second, chords.second, d));
 }

@@ -14,6 +14,7 @@ struct DifferenceOf;
 template <>
 struct DifferenceOf<VertexTriangle> {
   static constexpr int kCount = 3;
+  static constexpr int kOfFirst = 1;  ///< the first of the four vertices are the first feature's
   COLLIDED_HD static constexpr int minuend(int) { return 0; }
   COLLIDED_HD static constexpr int subtrahend(int k) { return k + 1; }
 };
@@ -21,6 +22,7 @@ struct DifferenceOf<VertexTriangle> {
 template <>
 struct DifferenceOf<EdgeEdge> {
   static constexpr int kCount = 4;
+  static constexpr int kOfFirst = 2;
   COLLIDED_HD static constexpr int minuend(int k) { return k / 2; }
   COLLIDED_HD static constexpr int subtrahend(int k) { return 2 + k % 2; }
 };

@@ -21,14 +21,13 @@ COLLIDED_HD Mask<Work> hulls_are_apart(const DifferencesOf<Work, Kind>& d, const
                                        const DoubleOf<Real>& distance) {
   using Difference = DifferenceOf<Kind>;
   using Wide = DoubleOf<Real>;
-  constexpr int kFirst = Difference::kCount == 3 ? 1 : 2;
   const Direction<Work> direction = direction_of(gap_at(d, Work(0.5f)).vector);
   const Wide off = PositionNoise<Real>::kOfBlend * largest_coordinate(p);
   const Work offset = offset_along(direction, scaled_thickness<Work>(distance + 4 * off, d.scale));
   Work approach[4];  // how far each vertex can come nearer along the direction, at most
   for (int i = 0; i < 4; ++i) {
     const Vec3<Wide> way = convert<Wide>(p.end[i]) - convert<Wide>(p.start[i]);
-    const Vec3<Work> n = i < kFirst ? direction.n : Work(-1) * direction.n;
+    const Vec3<Work> n = i < Difference::kOfFirst ? direction.n : Work(-1) * direction.n;
     approach[i] = max(Work(0) - lower_bound_along(n, convert<Work>(d.scale * way), Work(0)), Work(0));
   }
   Mask<Work> is_apart = direction.length > 0;

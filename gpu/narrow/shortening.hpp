@@ -83,8 +83,8 @@ template <class Kind, class Real>
 COLLIDED_LONG COLLIDED_HD bool keeps_floors(const FeaturePoints<Real>& way, const PairFloors& floors,
                                             const PairTurn& turn = {}) {
   if (turn.is_straight() && stands_still(way)) return true;
-  if (floors.is_tiny && !turn.is_straight()) return false;
   if (floors.is_tiny) {
+    if (!turn.is_straight()) return false;
     const CertifiedDistance start = certified_distance<Kind>(way.start);
     return start.value > 0 && comes_no_nearer_along<Kind>(start.along.n, way);
   }
@@ -112,7 +112,7 @@ template <class Kind, class Real>
 COLLIDED_HD void approaches_along(const Vec3<double>& n, const FeaturePoints<Real>& way, double (&towards)[4]) {
   for (int i = 0; i < 4; ++i) {
     const double along = dot(n, convert<double>(way.end[i]) - convert<double>(way.start[i]));
-    towards[i] = is_of_first<Kind>(i) ? -along : along;
+    towards[i] = i < DifferenceOf<Kind>::kOfFirst ? -along : along;
   }
 }
 
@@ -120,7 +120,8 @@ COLLIDED_HD void approaches_along(const Vec3<double>& n, const FeaturePoints<Rea
 template <class Kind>
 COLLIDED_HD void shorten_turns(const PairTurn& turn, double share, Shares& shares) {
   for (int i = 0; i < 4; ++i)
-    if ((is_of_first<Kind>(i) ? turn.first : turn.second) != nullptr) shares.of[i] = min(shares.of[i], share);
+    if ((i < DifferenceOf<Kind>::kOfFirst ? turn.first : turn.second) != nullptr)
+      shares.of[i] = min(shares.of[i], share);
 }
 
 /// Returns the share of a pair's turns with which its way may be free. A part of a turn is off its straight line by
@@ -129,10 +130,8 @@ template <int N>
 COLLIDED_HD double share_of_turns(const BentWay<N>& bent, const PairFloors& floors, const PairTurn& turn,
                                   const Group& team) {
   constexpr int kHalves = 12;
-  if (turn.both()) {
-    const double most = max(sine_of_half(*turn.first), sine_of_half(*turn.second));
-    if (!(most < kMostSineOfHalf)) return 0.5 * kMostSineOfHalf / most;
-  }
+  if (turn.both())
+    if (const double most = greater_sine_of_half(turn); !(most < kMostSineOfHalf)) return 0.5 * kMostSineOfHalf / most;
   double best = 0, share = 1, off = bent.off;
   for (int i = 0; i <= kHalves && best < share; ++i, share /= 2, off /= 4)
     best = max(best, min(share, certified_way(bent.d, Deviations::widened(floors.bent_way(), off), team).until));
@@ -174,14 +173,15 @@ COLLIDED_HD Shares shares_by_planes(const FeaturePoints<Real>& way, const PairFl
   double towards[4], most[2] = {0, 0};
   approaches_along<Kind>((1 / start.along.length) * start.along.n, way, towards);
   for (int i = 0; i < 4; ++i) {
-    double& of_feature = most[is_of_first<Kind>(i) ? 0 : 1];
+    double& of_feature = most[i < DifferenceOf<Kind>::kOfFirst ? 0 : 1];
     of_feature = max(of_feature, towards[i]);
   }
   // What the floor leaves, less than rounding takes: of y, and of its distance.
   const double room = kOfRoom * max(start.value - floors.end - 0.75 * floors.noise, 0.0);
   Shares shares = Shares::all(1);
   for (int i = 0; i < 4; ++i) {
-    const double own = most[0] + most[1] > 0 ? room * (most[is_of_first<Kind>(i) ? 0 : 1] / (most[0] + most[1])) : 0;
+    const double own =
+        most[0] + most[1] > 0 ? room * (most[i < DifferenceOf<Kind>::kOfFirst ? 0 : 1] / (most[0] + most[1])) : 0;
     if (towards[i] > own) shares.of[i] = own / towards[i] * kLess;
   }
   DifferencesOf<double, Kind> d;

@@ -22,9 +22,9 @@ struct HalfTurn {
   }
 };
 
-// R1 R0^T has the trace sum_k a_k . b_k, where a_k and b_k are the columns of R0 and R1, and its antisymmetric part is
-// that of sum_k a_k x b_k = sum_k a_k x (b_k - a_k). The latter keeps the digits of small angles. For a turn by an
-// angle they give 2 (1 + cos) and 2 sin times the axis, whose ratio is the tangent of half the angle.
+// Let a_k and b_k be the columns of R0 and R1. The trace of R1 R0^T is sum_k a_k . b_k. Its antisymmetric part is that
+// of sum_k a_k x b_k = sum_k a_k x (b_k - a_k), and the second form keeps the digits of small angles. With 1 added to
+// the trace, the sums are 2 (1 + cos) and 2 sin times the axis. Their ratio is the tangent of half the angle.
 HalfTurn turn_between(const Pose& from, const Pose& to) {
   double cosine = 1;
   Vec sine{0, 0, 0};
@@ -41,16 +41,18 @@ HalfTurn turn_between(const Pose& from, const Pose& to) {
 
 Vec3<double> half_turn(const Pose& from, const Pose& to) { return turn_between(from, to).vector; }
 
-// Let b be half the angle, S = sin b, r the distance of a vertex from the axis, and 2 r S the length of its chord
-// across the axis. The point of the arc beside the point at f of the chord is at an angle m from the arc's middle, with
-// sin m = (2f - 1) S, and off the chord by r (cos m - cos b). In units of the chord this is
+// Let b be half the angle, S = sin b, and v = S axis. A vertex at distance r from the axis has a chord of length 2 r S
+// across it. Take the point of the arc that lies beside the point at f of the chord. It is at an angle m from the arc's
+// middle, with sin m = (2f - 1) S. It is off the chord by r (cos m - cos b), which in units of the chord is
 //   (cos m - cos b) / (2 S) = (S^2 - sin^2 m) / (2 S (cos m + cos b)) = 2 f (1 - f) S / (cos m + cos b).
-// It points along chord x axis. With v = S axis, the vertex is off by bulge = 2 f (1 - f) / (cos m + cos b) times
-// chord x v, to which the slide along the axis adds nothing. The chord is affine in the vertex, so that the columns of
-// a pose may stand for it. There is no division by the angle, and m is the same for all vertices: they turn as one.
+// The direction is that of chord x axis. So the vertex is off by bulge = 2 f (1 - f) / (cos m + cos b) times chord x v.
+// The slide along the axis adds nothing to this product. The chord is affine in the vertex, and the columns of a pose
+// may stand for it. The angle m is the same for all vertices, so that they turn as one. Nothing is divided by the
+// angle.
 //
-// This makes the translation. For R it would lose digits near half a turn, which add up over many steps. So R is what
-// R0 and R1 turned back blend to, turned by m + b: with c = cos b, the coefficients of that turn follow from
+// This formula gives the translation. For R it would lose digits near half a turn, and the loss adds up over many
+// steps. So R1 is turned back first, and blended with R0. The blend is then turned by m + b. With c = cos b, the
+// coefficients of that turn follow from
 //   sin(m + b) = 2 S (f c + bulge S^2),   1 - cos(m + b) = 2 S^2 (f - bulge c).
 Pose pose_along(const Pose& from, const Pose& to, double fraction) {
   if (fraction == 0) return from;

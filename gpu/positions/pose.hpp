@@ -29,10 +29,9 @@ double determinant(const Pose& pose);
 /// Returns sin(angle / 2) times the axis of the rotation from one pose to another.
 Vec3<double> half_turn(const Pose& from, const Pose& to);
 
-/// Returns the pose at a fraction of the way from one pose to another. A vertex is then beside the point at this
-/// fraction of the straight way between where the poses put it: on the side where it turns to, off by no more than the
-/// sagitta of its arc. The axis is that of the screw from pose to pose. Both ends are exact. The source has the
-/// derivation.
+/// Returns the pose at a fraction of the way from one pose to another. Each vertex is then beside the
+/// point at this fraction of its straight way, on its arc about the axis of the screw from pose to pose. It is off the
+/// straight way by the sagitta of the arc at most. Both ends are exact. The source has the derivation.
 Pose pose_along(const Pose& from, const Pose& to, double fraction);
 
 /// fl(fl(fl(fl(r0 x) + fl(r1 y)) + fl(r2 z)) + t) for each row, every operation rounded to binary64 (none fused), then

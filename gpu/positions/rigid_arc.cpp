@@ -56,6 +56,16 @@ double largest_of_corners(const Box<double>& box, const Size& size) {
   return largest;
 }
 
+/// Holds bounds of the distance between screws and straight paths. They add up.
+struct Deviation {
+  double arc, rounding;  ///< of all computation but that to the format of positions
+  double rounded;        ///< to that format, at both ends
+  double bend, defect;
+
+  double all() const { return (arc + rounding + rounded) * (1 + 0x1p-44); }
+  double of_poses() const { return (arc + rounding) * (1 + 0x1p-44); }
+};
+
 // The deviation of a screw from straight paths.
 //
 // The motion that is bounded. Matrices of binary64 are rarely rotations, so the screw goes between poses [Q0 | s0] and
@@ -92,14 +102,6 @@ double largest_of_corners(const Box<double>& box, const Size& size) {
 // positive, so that its own roundings are relative: 2^-44 covers them.
 //
 // In units in which the largest coordinate is near 1, so that squares neither overflow nor underflow.
-struct Deviation {
-  double arc, rounding;  ///< of all computation but that to the format of positions
-  double rounded;        ///< to that format, at both ends
-  double bend, defect;
-
-  double all() const { return (arc + rounding + rounded) * (1 + 0x1p-44); }
-  double of_poses() const { return (arc + rounding) * (1 + 0x1p-44); }
-};
 Deviation scaled_deviation(const Pose& from, const Pose& to, const Box<double>& rest, double unit) {
   const Turn turn(from, to);
   const double far = largest_of_corners(rest, length);

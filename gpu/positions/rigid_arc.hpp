@@ -17,7 +17,7 @@ double angle_between(const Pose& from, const Pose& to);
 template <class Real>
 double arc_deviation(const Pose& from, const Pose& to, const Box<double>& rest);
 
-/// How a mesh turns from one pose to the other, with the same bounds.
+/// Returns how a mesh turns from one pose to the other, with the same bounds.
 template <class Real>
 MeshTurn mesh_turn(const Pose& from, const Pose& to, const Box<double>& rest);
 

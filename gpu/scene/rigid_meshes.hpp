@@ -110,7 +110,7 @@ class RigidMeshes {
   }
 
   bool has_any() const { return !state_.bodies.empty(); }
-  /// So far along the step's way: where the pose is, so are the positions. fraction_of(mesh): from 0 to 1.
+  /// Goes a part of the step's way, with poses and positions. fraction_of(mesh): from 0 to 1.
   template <class FractionOf>
   void go(const FractionOf& fraction_of) {
     for (RigidBody& body : bodies()) {

@@ -311,7 +311,7 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
     const RigidBuffers<Exec, Real>& rigid = this->rigid;
     return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
   }
-  /// Of the part of the step's ways that the meshes go.
+  /// Returns how meshes turn on the part of their ways that they go.
   MeshTurns turns() const {
     const RigidBuffers<Exec, Real>& rigid = this->rigid;
     const uint64_t meshes = rigid.turns.capacity() > 0 ? rigid.first_vertex.capacity() : 0;

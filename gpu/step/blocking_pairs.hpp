@@ -16,7 +16,7 @@ namespace collided {
 /// The vertices of a pair and all that an edge joins to them, on their ways (exact/fixed/parting.hpp).
 template <class Kind, class Real>
 struct PairStars {
-  static constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+  static constexpr int kFirst = DifferenceOf<Kind>::kOfFirst;
   static constexpr int kMostEdges = 12;            ///< of a vertex, in looking for directions
   static constexpr uint32_t kMostNeighbours = 64;  ///< of a vertex
 
@@ -53,8 +53,8 @@ struct PairStars {
   }
 };
 
-/// True if a pair may go the way from x to y, for certain. A tiny pair whose way is straight may as well move as one,
-/// come nearer as long as integers decide that it does not touch, or touch at the start and part.
+/// True if a pair may go the way from x to y, for certain. A tiny pair whose way is straight may also move as one. It
+/// may come nearer if integers decide that it does not touch, or touch at the start and part.
 template <class Kind, class Real>
 COLLIDED_LONG COLLIDED_HD bool is_way_free(const PairStars<Kind, Real>& stars, const PairFloors& floors,
                                            const PairTurn& turn = {}) {
@@ -111,7 +111,7 @@ struct MeasureStarts {
 
  private:
   COLLIDED_HD bool are_joined(const Stencil& s) const {
-    constexpr int kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+    constexpr int kFirst = DifferenceOf<Kind>::kOfFirst;
     for (int i = 0; i < kFirst; ++i)
       for (int j = kFirst; j < 4; ++j)
         if (ways.joined.connect(s.v[i], s.v[j])) return true;

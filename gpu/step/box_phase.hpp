@@ -73,7 +73,7 @@ class BoxPhase {
   }
 
  private:
-  /// What boxes are wider by. In a frame that advances the meshes may go any part of their ways.
+  /// Returns what boxes are wider by. In a frame that advances, meshes may go any part of their ways.
   Deviations deviations() const {
     const Deviations of_step = context_.scene.deviations(needs_.is_ccd());
     return needs_.advances ? of_step.of_parts() : of_step;

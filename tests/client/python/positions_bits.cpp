@@ -1,5 +1,5 @@
-// What the C++ client makes of positions, for positions_test.py to compare: doubles on standard input, doubles on
-// standard output (or uint16 of q16), x y z per vertex.
+// Computes positions with the C++ client, for positions_test.py to compare. It reads doubles from standard input and
+// writes doubles to standard output, x y z per vertex. For q16 it writes uint16.
 //
 // usage: positions_bits f32|f64 along FRACTION   < positions, targets
 //        positions_bits f32|f64 rigid            < 12 numbers of the matrix, positions

@@ -72,7 +72,7 @@ void play_all(uint64_t first_seed, uint32_t first_round) {
 
 template <class Kind, class Real>
 void count_planes(uint64_t seed) {
-  constexpr size_t kFirst = DifferenceOf<Kind>::kCount == 3 ? 1 : 2;
+  constexpr size_t kFirst = DifferenceOf<Kind>::kOfFirst;
   constexpr QueryKind kKind = kFirst == 1 ? QueryKind::kVertexTriangle : QueryKind::kEdgeEdge;
   Random random(seed);
   int failed = 0, failed_again = 0;

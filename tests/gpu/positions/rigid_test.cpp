@@ -244,7 +244,7 @@ TEST_F(Rigid, AFrameBeginsOnNoArc) {
 /// A contact of features and what is known of it.
 using Row = std::tuple<uint32_t, uint32_t, uint8_t, double>;
 
-/// Those of mesh 0, or of the others.
+/// Returns the contacts of mesh 0, or all others.
 std::vector<Row> rows_of(const ContactSet& set, bool of_mesh_0, std::array<uint32_t, 2> in_mesh_0) {
   std::vector<Row> rows;
   for (size_t i = 0; i < set.size(); ++i) {
@@ -255,7 +255,7 @@ std::vector<Row> rows_of(const ContactSet& set, bool of_mesh_0, std::array<uint3
   return rows;
 }
 
-// What goes straight is decided exactly beside what turns, which CERTIFIED says all that can be said of.
+// Pairs that go straight are decided exactly. Pairs with a mesh that turns are what they are at CERTIFIED.
 TEST_F(Rigid, ExactFramesDecideWhatGoesStraight) {
   for (const Scalar scalar : {Scalar::kF32, Scalar::kF64})
     for (const double thickness : {0.0, 0x1p-4}) {
@@ -303,7 +303,7 @@ TEST_F(Rigid, ExactFramesDecideWhatGoesStraight) {
     }
 }
 
-// Of a scene in which nothing but an arc may be in contact.
+// All contacts of this scene are on arcs.
 TEST_F(Rigid, ExactFramesTellOfArcsAlone) {
   const Pair pair(Mode::kCcd, Accuracy::kExact, Scalar::kF64, 0);
   begin(pair, {});

@@ -1,5 +1,5 @@
-// Rigid meshes that turn and advance. They end on their screws, at the fraction that is told; on the screw from start
-// to end they keep their floors, as screws in 67 digits and distances at many times say.
+// Tests rigid meshes that turn and advance. They end on their screws, at the fraction that the answer tells. On the
+// screw from start to end they keep their floors. Screws in 67 digits and distances at many times judge that.
 
 #include <cmath>
 #include <cstdio>
@@ -41,7 +41,7 @@ using Tetrahedron = std::array<Vec3d, 4>;
 constexpr std::array<std::array<uint32_t, 3>, 4> kFaces = {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
 constexpr std::array<std::array<size_t, 2>, 6> kEdges = {{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
-/// Of the surfaces.
+/// Returns the distance of the surfaces.
 double distance(const Tetrahedron& a, const Tetrahedron& b) {
   double least = HUGE_VAL;
   for (const auto& [i, j, k] : kFaces)
@@ -64,7 +64,7 @@ class Bodies {
     MeshMotion motion = MeshMotion::kRigid;
     Pose pose = {};
   };
-  /// Where a body is to go: the pose of a rigid one, or the vertices of a deformable one.
+  /// Holds where a body is to go: the pose of a rigid one, or the vertices of a deformable one.
   struct Target {
     Pose pose = {};
     Tetrahedron at = {};
@@ -106,7 +106,7 @@ class Bodies {
   }
   const FrameResult& result() const { return result_; }
 
-  /// Where the engine has a body.
+  /// Returns where the engine has a body.
   Tetrahedron resident(uint32_t body) const {
     std::vector<std::byte> bytes(4 * position_bytes(scalar_));
     scene_->read_positions({4 * body, 1, 4}, bytes);
@@ -130,7 +130,7 @@ class Bodies {
   FrameResult result_;
 };
 
-/// What a pose makes of a point, and where a screw in world coordinates takes that to.
+/// Returns where a pose puts a point.
 Vec3d posed(const Pose& pose, const Vec3d& p) { return posed_by<double>(pose, p); }
 Pose moved(const Pose& pose, const ExactScrew& by) {
   const ExactScrew::Moment end = by.at(1);
@@ -200,7 +200,7 @@ TEST_F(TurningAdvances, WhatRollsOnAFloorGetsThere) {
   }
 }
 
-// What spins fast and flies at a wall gets near it.
+// A body that spins fast and flies at a wall gets near it.
 TEST_F(TurningAdvances, WhatSpinsGetsNearAWall) {
   const double m = 1e-3;
   const Tetrahedron wall = {Vec3d{5, -20, -20}, {5, 20, -20}, {5, 0, 20}, {20, 0, 0}};
@@ -219,7 +219,7 @@ TEST_F(TurningAdvances, WhatSpinsGetsNearAWall) {
   EXPECT_LT(apart, 0.1);
 }
 
-/// What was judged, and how far rigid bodies went.
+/// Counts what was judged, and adds up how far rigid bodies went.
 struct Judged {
   int steps = 0, ways = 0, rigid = 0, shortened = 0;
   double share = 0;
@@ -418,7 +418,7 @@ TEST(PoseAlong, IsExactAtBothEndsAndBlendsWhatDoesNotTurn) {
   for (size_t k = 0; k < 12; ++k) EXPECT_EQ(at.rows[k], from.rows[k] + 0.3 * (slid.rows[k] - from.rows[k])) << k;
 }
 
-// What boxes are grown by covers all parts of the way (Deviations::of_parts).
+// Boxes are grown by enough for all parts of the way (Deviations::of_parts).
 TEST(PoseAlong, PartsOfTheWayAreWithinFourDeviations) {
   Random random(9);
   const auto corner = [](const Box<double>& box, int i) {
