@@ -256,12 +256,13 @@ class StreamFramesRequest(_message.Message):
     def __init__(self, open: _Optional[_Union[OpenStream, _Mapping]] = ..., frame: _Optional[_Union[_frame_pb2.Frame, _Mapping]] = ...) -> None: ...
 
 class StreamFramesResponse(_message.Message):
-    __slots__ = ["contacts", "done", "draining", "error", "frame_id", "opened", "shortened", "skipped", "world_errors"]
+    __slots__ = ["contacts", "done", "draining", "error", "frame_id", "limits", "opened", "shortened", "skipped", "world_errors"]
     CONTACTS_FIELD_NUMBER: _ClassVar[int]
     DONE_FIELD_NUMBER: _ClassVar[int]
     DRAINING_FIELD_NUMBER: _ClassVar[int]
     ERROR_FIELD_NUMBER: _ClassVar[int]
     FRAME_ID_FIELD_NUMBER: _ClassVar[int]
+    LIMITS_FIELD_NUMBER: _ClassVar[int]
     OPENED_FIELD_NUMBER: _ClassVar[int]
     SHORTENED_FIELD_NUMBER: _ClassVar[int]
     SKIPPED_FIELD_NUMBER: _ClassVar[int]
@@ -271,11 +272,12 @@ class StreamFramesResponse(_message.Message):
     draining: Draining
     error: _frame_pb2.FrameError
     frame_id: int
+    limits: _contact_pb2.ContactChunk
     opened: StreamOpened
     shortened: _frame_pb2.ShortenedWays
     skipped: FrameSkipped
     world_errors: _frame_pb2.WorldErrors
-    def __init__(self, frame_id: _Optional[int] = ..., opened: _Optional[_Union[StreamOpened, _Mapping]] = ..., contacts: _Optional[_Union[_contact_pb2.ContactChunk, _Mapping]] = ..., done: _Optional[_Union[_frame_pb2.FrameDone, _Mapping]] = ..., error: _Optional[_Union[_frame_pb2.FrameError, _Mapping]] = ..., skipped: _Optional[_Union[FrameSkipped, _Mapping]] = ..., draining: _Optional[_Union[Draining, _Mapping]] = ..., world_errors: _Optional[_Union[_frame_pb2.WorldErrors, _Mapping]] = ..., shortened: _Optional[_Union[_frame_pb2.ShortenedWays, _Mapping]] = ...) -> None: ...
+    def __init__(self, frame_id: _Optional[int] = ..., opened: _Optional[_Union[StreamOpened, _Mapping]] = ..., contacts: _Optional[_Union[_contact_pb2.ContactChunk, _Mapping]] = ..., done: _Optional[_Union[_frame_pb2.FrameDone, _Mapping]] = ..., error: _Optional[_Union[_frame_pb2.FrameError, _Mapping]] = ..., skipped: _Optional[_Union[FrameSkipped, _Mapping]] = ..., draining: _Optional[_Union[Draining, _Mapping]] = ..., world_errors: _Optional[_Union[_frame_pb2.WorldErrors, _Mapping]] = ..., shortened: _Optional[_Union[_frame_pb2.ShortenedWays, _Mapping]] = ..., limits: _Optional[_Union[_contact_pb2.ContactChunk, _Mapping]] = ...) -> None: ...
 
 class StreamOpened(_message.Message):
     __slots__ = ["scene", "window"]

@@ -16,7 +16,7 @@ ADVANCE_MODE_UNSPECIFIED: AdvanceMode
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class Frame(_message.Message):
-    __slots__ = ["accuracy", "advance", "advance_mode", "delta", "edit", "frame_id", "from_last_fraction", "ignore_separating", "meshes", "mode", "report", "trial", "updates", "worlds"]
+    __slots__ = ["accuracy", "advance", "advance_mode", "delta", "edit", "frame_id", "from_last_fraction", "ignore_separating", "limits", "meshes", "mode", "report", "trial", "updates", "worlds"]
     ACCURACY_FIELD_NUMBER: _ClassVar[int]
     ADVANCE_FIELD_NUMBER: _ClassVar[int]
     ADVANCE_MODE_FIELD_NUMBER: _ClassVar[int]
@@ -25,6 +25,7 @@ class Frame(_message.Message):
     FRAME_ID_FIELD_NUMBER: _ClassVar[int]
     FROM_LAST_FRACTION_FIELD_NUMBER: _ClassVar[int]
     IGNORE_SEPARATING_FIELD_NUMBER: _ClassVar[int]
+    LIMITS_FIELD_NUMBER: _ClassVar[int]
     MESHES_FIELD_NUMBER: _ClassVar[int]
     MODE_FIELD_NUMBER: _ClassVar[int]
     REPORT_FIELD_NUMBER: _ClassVar[int]
@@ -39,21 +40,23 @@ class Frame(_message.Message):
     frame_id: int
     from_last_fraction: float
     ignore_separating: bool
+    limits: bool
     meshes: _containers.RepeatedScalarFieldContainer[int]
     mode: _scene_pb2.DetectionMode
     report: _scene_pb2.Report
     trial: bool
     updates: _containers.RepeatedCompositeFieldContainer[MeshUpdate]
     worlds: _containers.RepeatedScalarFieldContainer[int]
-    def __init__(self, frame_id: _Optional[int] = ..., accuracy: _Optional[_Union[_scene_pb2.Accuracy, str]] = ..., updates: _Optional[_Iterable[_Union[MeshUpdate, _Mapping]]] = ..., delta: _Optional[float] = ..., report: _Optional[_Union[_scene_pb2.Report, str]] = ..., ignore_separating: bool = ..., advance: bool = ..., trial: bool = ..., from_last_fraction: _Optional[float] = ..., mode: _Optional[_Union[_scene_pb2.DetectionMode, str]] = ..., edit: _Optional[_Union[_scene_pb2.SceneEdit, _Mapping]] = ..., worlds: _Optional[_Iterable[int]] = ..., meshes: _Optional[_Iterable[int]] = ..., advance_mode: _Optional[_Union[AdvanceMode, str]] = ...) -> None: ...
+    def __init__(self, frame_id: _Optional[int] = ..., accuracy: _Optional[_Union[_scene_pb2.Accuracy, str]] = ..., updates: _Optional[_Iterable[_Union[MeshUpdate, _Mapping]]] = ..., delta: _Optional[float] = ..., report: _Optional[_Union[_scene_pb2.Report, str]] = ..., ignore_separating: bool = ..., advance: bool = ..., trial: bool = ..., from_last_fraction: _Optional[float] = ..., mode: _Optional[_Union[_scene_pb2.DetectionMode, str]] = ..., edit: _Optional[_Union[_scene_pb2.SceneEdit, _Mapping]] = ..., worlds: _Optional[_Iterable[int]] = ..., meshes: _Optional[_Iterable[int]] = ..., advance_mode: _Optional[_Union[AdvanceMode, str]] = ..., limits: bool = ...) -> None: ...
 
 class FrameDone(_message.Message):
-    __slots__ = ["advanced", "any_contact", "contact_count", "contacts", "earliest_toi", "metrics", "shortened", "way"]
+    __slots__ = ["advanced", "any_contact", "contact_count", "contacts", "earliest_toi", "limits", "metrics", "shortened", "way"]
     ADVANCED_FIELD_NUMBER: _ClassVar[int]
     ANY_CONTACT_FIELD_NUMBER: _ClassVar[int]
     CONTACTS_FIELD_NUMBER: _ClassVar[int]
     CONTACT_COUNT_FIELD_NUMBER: _ClassVar[int]
     EARLIEST_TOI_FIELD_NUMBER: _ClassVar[int]
+    LIMITS_FIELD_NUMBER: _ClassVar[int]
     METRICS_FIELD_NUMBER: _ClassVar[int]
     SHORTENED_FIELD_NUMBER: _ClassVar[int]
     WAY_FIELD_NUMBER: _ClassVar[int]
@@ -62,10 +65,11 @@ class FrameDone(_message.Message):
     contact_count: int
     contacts: _containers.RepeatedCompositeFieldContainer[_contact_pb2.ContactChunk]
     earliest_toi: float
+    limits: _containers.RepeatedCompositeFieldContainer[_contact_pb2.ContactChunk]
     metrics: _metrics_pb2.FrameMetrics
     shortened: ShortenedWays
     way: float
-    def __init__(self, metrics: _Optional[_Union[_metrics_pb2.FrameMetrics, _Mapping]] = ..., contact_count: _Optional[int] = ..., earliest_toi: _Optional[float] = ..., any_contact: bool = ..., contacts: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ..., advanced: _Optional[float] = ..., way: _Optional[float] = ..., shortened: _Optional[_Union[ShortenedWays, _Mapping]] = ...) -> None: ...
+    def __init__(self, metrics: _Optional[_Union[_metrics_pb2.FrameMetrics, _Mapping]] = ..., contact_count: _Optional[int] = ..., earliest_toi: _Optional[float] = ..., any_contact: bool = ..., contacts: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ..., advanced: _Optional[float] = ..., way: _Optional[float] = ..., shortened: _Optional[_Union[ShortenedWays, _Mapping]] = ..., limits: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ...) -> None: ...
 
 class FrameError(_message.Message):
     __slots__ = ["code", "field", "message", "retry_after_seconds"]

@@ -1,3 +1,4 @@
+from collided.v1 import added_in_pb2 as _added_in_pb2
 from collided.v1 import contact_pb2 as _contact_pb2
 from google.protobuf.internal import containers as _containers
 from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
@@ -73,13 +74,14 @@ class MeshPair(_message.Message):
     def __init__(self, first: _Optional[int] = ..., second: _Optional[int] = ...) -> None: ...
 
 class MeshSpec(_message.Message):
-    __slots__ = ["collide_mask", "edge_count", "edges", "exclude_rest_pairs", "exclude_rings", "groups", "motion", "name", "no_self_contacts", "point_count", "points", "triangle_count", "triangles", "vertex_count"]
+    __slots__ = ["collide_mask", "edge_count", "edges", "exclude_rest_pairs", "exclude_rings", "groups", "half_thickness", "motion", "name", "no_self_contacts", "point_count", "points", "triangle_count", "triangles", "vertex_count"]
     COLLIDE_MASK_FIELD_NUMBER: _ClassVar[int]
     EDGES_FIELD_NUMBER: _ClassVar[int]
     EDGE_COUNT_FIELD_NUMBER: _ClassVar[int]
     EXCLUDE_REST_PAIRS_FIELD_NUMBER: _ClassVar[int]
     EXCLUDE_RINGS_FIELD_NUMBER: _ClassVar[int]
     GROUPS_FIELD_NUMBER: _ClassVar[int]
+    HALF_THICKNESS_FIELD_NUMBER: _ClassVar[int]
     MOTION_FIELD_NUMBER: _ClassVar[int]
     NAME_FIELD_NUMBER: _ClassVar[int]
     NO_SELF_CONTACTS_FIELD_NUMBER: _ClassVar[int]
@@ -94,6 +96,7 @@ class MeshSpec(_message.Message):
     exclude_rest_pairs: bool
     exclude_rings: int
     groups: int
+    half_thickness: float
     motion: MeshMotion
     name: str
     no_self_contacts: bool
@@ -102,7 +105,7 @@ class MeshSpec(_message.Message):
     triangle_count: int
     triangles: bytes
     vertex_count: int
-    def __init__(self, name: _Optional[str] = ..., vertex_count: _Optional[int] = ..., motion: _Optional[_Union[MeshMotion, str]] = ..., groups: _Optional[int] = ..., collide_mask: _Optional[int] = ..., no_self_contacts: bool = ..., triangle_count: _Optional[int] = ..., triangles: _Optional[bytes] = ..., exclude_rings: _Optional[int] = ..., exclude_rest_pairs: bool = ..., edges: _Optional[bytes] = ..., points: _Optional[bytes] = ..., edge_count: _Optional[int] = ..., point_count: _Optional[int] = ...) -> None: ...
+    def __init__(self, name: _Optional[str] = ..., vertex_count: _Optional[int] = ..., motion: _Optional[_Union[MeshMotion, str]] = ..., groups: _Optional[int] = ..., collide_mask: _Optional[int] = ..., no_self_contacts: bool = ..., triangle_count: _Optional[int] = ..., triangles: _Optional[bytes] = ..., exclude_rings: _Optional[int] = ..., exclude_rest_pairs: bool = ..., edges: _Optional[bytes] = ..., points: _Optional[bytes] = ..., edge_count: _Optional[int] = ..., point_count: _Optional[int] = ..., half_thickness: _Optional[float] = ...) -> None: ...
 
 class QuantizationBox(_message.Message):
     __slots__ = ["lower", "upper"]
