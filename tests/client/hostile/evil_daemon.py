@@ -473,6 +473,61 @@ class ShortenedWithoutFractions(OfAdvances):
         return frame_pb2.ShortenedWays(ids=super().shortened(ways).ids)
 
 
+# Limits of an advance.
+
+
+class OfLimits(Honest):
+    """Answers a frame that advances and asks for limits. limits: of each message, as chunks; those of the last are `done`'s."""
+
+    scenarios, expected = ("limits",), {LOST}
+    limits = ((hit(),), (hit(), hit()))
+
+    def info(self, info):
+        info.features.append("collided.v1.Frame.limits")
+        return info
+
+    def frame(self, frame_id):
+        if frame_id == 1:
+            return (yield answer(frame_id))
+        *messages, last = self.limits
+        for chunks in messages:
+            for chunk in chunks:
+                yield api.StreamFramesResponse(frame_id=frame_id, limits=chunk)
+        yield answer(frame_id, advanced=0.25, way=0.75, limits=last)
+
+
+class HonestLimits(OfLimits):
+    expected = {"ok"}
+
+
+class LimitsOfAnOlderDaemon(OfLimits):
+    expected = {"UNIMPLEMENTED"}
+
+    def info(self, info):
+        return info
+
+
+class LimitsUnknownVertex(OfLimits):
+    limits = ((hit(elements=unpacked(2, 6, 0), stencils=unpacked(4, 6, 0, 1, 2)),), ())
+
+
+class LimitsWithoutNormals(OfLimits):
+    limits = ((), (hit(normals=b""),))
+
+
+class LimitsOfNoCount(OfLimits):
+    limits = ((hit(count=0),), ())
+
+
+class LimitsAfterTheWay(OfLimits):
+    limits = ((hit(toi=unpacked(1, 1.5, kind="d")),), ())
+
+
+class LimitsNobodyAskedFor(OfStream):
+    scenarios = ("unasked_limits",)
+    changes = {"limits": [hit()]}
+
+
 # Pages.
 
 

@@ -54,7 +54,7 @@ def skip(why):
 
 
 SCENARIOS = {"python": {"stream", "advance", "call", "watch", "mesh", "list", "set", "local", "timeouts"},
-             "cpp": {"stream", "session", "large", "watch", "mesh", "list", "set", "local"},
+             "cpp": {"stream", "session", "large", "limits", "unasked_limits", "watch", "mesh", "list", "set", "local"},
              "go": {"stream", "advance", "session", "call", "watch", "mesh", "list"},
              "node": {"stream", "advance", "session", "call", "watch", "mesh", "list"}}[LANGUAGE]
 
