@@ -253,6 +253,7 @@ void check_exclusions(const SceneSpec& spec) {
 
 void check_mesh(const SceneSpec& spec, const MeshSpec& mesh, const std::string& field) {
   if (spec.worlds > 0) check_mesh_of_worlds(mesh, field);
+  check_length(field + ".half_thickness", mesh.half_thickness, coordinate_limit(spec.scalar));
   if (mesh.excluded_rings > kMaxRings)
     throw InvalidInput(field + ".excluded_rings",
                        field + ".excluded_rings is " + text(mesh.excluded_rings) + ", the limit is " + text(kMaxRings));
