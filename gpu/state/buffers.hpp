@@ -234,6 +234,7 @@ struct WorkBuffers {
         layout(exec, "contacts"),
         exact_keys(exec, "exact"),
         exact_points(exec, "exact"),
+        exact_ids(exec, "exact"),
         sample(exec, "watched_positions") {}
 
   Buffer<Box<float>, Exec> boxes;
@@ -241,7 +242,7 @@ struct WorkBuffers {
   Buffer<Path<Real>, Exec> paths;  ///< of each vertex, where records do not have them
   Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn
   Buffer<StepState, Exec> state;
-  Buffer<uint64_t, Exec> triangle_pairs;
+  Buffer<uint64_t, Exec> triangle_pairs;  ///< of one kind after the other
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   std::array<BlockingPairs<Exec>, kFeatureKinds> blocking;       ///< likewise; frames that advance
   FractionBuffers<Exec> ways;                                    ///< frames that advance
@@ -254,6 +255,7 @@ struct WorkBuffers {
   Buffer<ContactLayout, Exec> layout;  ///< of those there
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
+  Buffer<uint32_t, Exec> exact_ids;
   Buffer<Vec3<Real>, Exec> sample;  ///< positions on their way to those who watch the scene
 };
 
