@@ -1,6 +1,5 @@
 #include "gpu/exact/crossings.hpp"
 
-#include "gpu/exact/fixed/edge_triangle.hpp"
 #include "gpu/exact/integers.hpp"
 
 namespace collided {

@@ -115,7 +115,7 @@ class Number {
 Number common_divisor(const Number& a, const Number& b);
 /// a / b, where b divides a.
 Number exact_quotient(const Number& a, const Number& b);
-/// |a| / |b|, not above 1, both rounded toward 0 to 53 bits.
+/// Returns |a| / |b|, where |a| <= |b|, both rounded toward 0 to 53 bits.
 double ratio(const Number& a, const Number& b);
 /// The number in [0, by) that differs from a by a multiple of `by`.
 uint64_t remainder(const Number& a, uint64_t by);

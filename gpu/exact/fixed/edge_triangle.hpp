@@ -1,19 +1,34 @@
 #pragma once
-// The decision of crossings.hpp, for integers of fixed size on any backend and, as templates, for those of any size.
+// Decides whether an edge u v and a triangle T at rest cross. The templates take integers of fixed size on any backend,
+// and of any size on the host (exact/crossings.hpp).
 //
-// Five volumes decide it: those of T's corners with u and with v, and those of u v with each side of T. Where they are
-// not 0, signs that differ (of the sides) or agree (of the ends) show that the two are apart. Else they meet:
-// - if a crossing depends on ties, the moved edge and triangle share a point for all small e, so that u v and T share
-//   one in the limit: `crosses` implies `meets`;
-// - if u and v are not both in T's plane, u v passes that plane in one point, whose weights are in proportion to the
-//   sides' volumes, none of them of another sign;
-// - if both are, all five volumes are 0, and the edge is cut down to its part in T. (For a T without area the sides'
-//   volumes have the sum 0, so that they differ, or all are 0 and T is a segment in one plane with the edge.)
+// Five volumes decide: two of T's corners with an end of the edge, and three of the edge with a side of T. The features
+// are apart if both ends have the same sign, or if two sides have different signs, none of them 0. Otherwise they meet:
+// - Not both ends in T's plane: the edge passes the plane in one point. The sides' volumes are in proportion to the
+//   weights of that point, and none of them has another sign than the others.
+// - Both ends in it: all five volumes are 0, and cutting the edge down to its part in T decides. If T has no area, the
+//   sides' volumes have the sum 0. Then two signs differ, or T is a segment in one plane with the edge.
+// A crossing implies that they meet: the moved features share a point for all small e, so that the real ones share one
+// in the limit.
 
-#include "gpu/exact/crossings.hpp"
 #include "gpu/exact/fixed/orientation.hpp"
 
-namespace collided::exact::fixed {
+namespace collided {
+
+/// The relation of an edge u v and a triangle a b c that share no vertex.
+struct EdgeTriangleVerdict {
+  /// True if, with ties broken by the vertices' ids, u and v are on different sides of the triangle's plane, and the
+  /// line from u to v passes the triangle's three sides alike. Implies `meets`.
+  bool crosses = false;
+  bool touches = false;  ///< they meet, but a determinant that decides it is 0: `crosses` follows from the ids' order
+  bool meets = false;    ///< the closed edge and the closed triangle have a common point; independent of ids
+  bool from_front = false;  ///< if it crosses: the normal (b - a) x (c - a) points to the side of u, ties broken
+  // The common point, if they meet. In one plane it is the middle of what they share. Errors are below 2^-49.
+  double along = 0;        ///< position on the edge, from 0 at u to 1 at v
+  double weights[2] = {};  ///< of b and c, at least 0; their sum is at most 1, and the weight of a is the rest
+};
+
+namespace exact::fixed {
 
 /// A function on an edge that changes linearly, by its values at the edge's ends.
 template <class Int>
@@ -26,7 +41,7 @@ template <class Int>
 class EdgePart {
  public:
   COLLIDED_HD bool is_empty() const { return is_empty_; }
-  /// Leaves out where f < 0.
+  /// Removes the points with f < 0.
   COLLIDED_HD COLLIDED_CALLED void cut(const OnEdge<Int>& f) {
     const bool cuts_first = value(f, first_).is_negative(), cuts_last = value(f, last_).is_negative();
     if (cuts_first && cuts_last)
@@ -36,14 +51,14 @@ class EdgePart {
     else if (cuts_last)
       last_ = {-f.at_v, f.at_u};
   }
-  /// Leaves what has f = 0.
+  /// Removes the points with f != 0.
   COLLIDED_HD void cut_to_zero(const OnEdge<Int>& f) {
     cut(f);
     cut({-f.at_u, -f.at_v});
   }
-  /// The middle's position on the edge, 0 at u to 1 at v.
+  /// Returns the middle's position on the edge, from 0 at u to 1 at v.
   COLLIDED_HD double middle() const { return 0.5 * (ratio(first_.v, first_.sum()) + ratio(last_.v, last_.sum())); }
-  /// f / total at the middle, for 0 <= f <= total on this part.
+  /// Returns f / total at the middle; they have one sign, and |f| <= |total| on this part.
   COLLIDED_HD COLLIDED_CALLED double middle_of(const OnEdge<Int>& f, const Int& total) const {
     return 0.5 * (ratio(value(f, first_), first_.sum() * total) + ratio(value(f, last_), last_.sum() * total));
   }
@@ -64,18 +79,19 @@ class EdgePart {
 template <class Int>
 class EdgeTriangle {
  public:
-  /// `points` are u v a b c, `ids` theirs, all different; both outlive this.
+  /// `points` holds u v a b c, `ids` their ids, all different. Both outlive this.
   COLLIDED_HD EdgeTriangle(const Vec3<Int>* points, const uint32_t (&ids)[5]) : p_(points), ids_(ids) {}
 
   COLLIDED_HD EdgeTriangleVerdict verdict() const {
     EdgeTriangleVerdict verdict;
-    const Volume at_u = volume_of(kA, kB, kC, kU), at_v = volume_of(kA, kB, kC, kV);
+    const Vec3<Area> normal = wide_cross(p_[kB] - p_[kA], p_[kC] - p_[kA]);
+    const Volume at_u = wide_dot(p_[kU] - p_[kA], normal), at_v = wide_dot(p_[kV] - p_[kA], normal);
     if (at_u.sign() * at_v.sign() > 0) return verdict;
-    const Volume sides[3] = {volume_of(kU, kV, kB, kC), volume_of(kU, kV, kC, kA), volume_of(kU, kV, kA, kB)};
+    const Volume sides[3] = {with_side(kB, kC), with_side(kC, kA), with_side(kA, kB)};
     const int s[3] = {sides[0].sign(), sides[1].sign(), sides[2].sign()};
     if (s[0] * s[1] < 0 || s[1] * s[2] < 0 || s[2] * s[0] < 0) return verdict;
     if (at_u.is_zero() && at_v.is_zero()) {
-      if (!find_common_part(verdict)) return verdict;
+      if (!find_common_part(normal, verdict)) return verdict;
     } else {
       const Volume all = at_u - at_v;  // but for the sign, the sum of the sides' volumes, too
       verdict.along = ratio(at_u, all);
@@ -94,7 +110,7 @@ class EdgeTriangle {
   using Volume = decltype(Area{} * Int{});
   static constexpr int kU = 0, kV = 1, kA = 2, kB = 3, kC = 4;
 
-  COLLIDED_HD Volume volume_of(int i, int j, int k, int l) const { return volume(p_[i], p_[j], p_[k], p_[l]); }
+  COLLIDED_HD Volume with_side(int from, int to) const { return volume(p_[kU], p_[kV], p_[from], p_[to]); }
   COLLIDED_HD int with_ties(int sign, int i, int j, int k, int l) const {
     return sign_with_ties(sign, {&p_[i], &p_[j], &p_[k], &p_[l]}, {ids_[i], ids_[j], ids_[k], ids_[l]});
   }
@@ -103,19 +119,18 @@ class EdgeTriangle {
     const int first = with_ties(s[0], kU, kV, kB, kC);
     return with_ties(s[1], kU, kV, kC, kA) == first && with_ties(s[2], kU, kV, kA, kB) == first;
   }
-  /// The sum stays at most 1 in spite of rounding.
+  /// Keeps the sum at most 1 in spite of rounding.
   COLLIDED_HD static void set_weights(EdgeTriangleVerdict& verdict, double b, double c) {
     verdict.weights[0] = b;
     verdict.weights[1] = min(c, 1 - b);
   }
 
-  // The rest is for an edge in the plane of T.
+  // The rest handles an edge in the plane of T.
 
-  COLLIDED_HD COLLIDED_CALLED bool find_common_part(EdgeTriangleVerdict& verdict) const {
-    const Vec3<Area> normal = wide_cross(p_[kB] - p_[kA], p_[kC] - p_[kA]);
+  COLLIDED_HD COLLIDED_CALLED bool find_common_part(const Vec3<Area>& normal, EdgeTriangleVerdict& verdict) const {
     return is_zero(normal) ? find_part_of_segment(verdict) : find_part_in_face(normal, verdict);
   }
-  /// In the projection along an axis in which T keeps an area.
+  /// Works in the projection along an axis that leaves T an area.
   COLLIDED_HD bool find_part_in_face(const Vec3<Area>& normal, EdgeTriangleVerdict& verdict) const {
     const int axis = !normal.x.is_zero() ? 0 : !normal.y.is_zero() ? 1 : 2;
     const Area& area = component(normal, axis);
@@ -127,7 +142,7 @@ class EdgeTriangle {
     set_weights(verdict, part.middle_of(f[1], area), part.middle_of(f[2], area));
     return true;
   }
-  /// T is the segment from its least to its greatest corner, p q, or a point.
+  /// Takes T for the segment p q from its least to its greatest corner, or for a point.
   COLLIDED_HD bool find_part_of_segment(EdgeTriangleVerdict& verdict) const {
     int least = kA, greatest = kA;
     for (int i = kB; i <= kC; ++i) {
@@ -136,7 +151,7 @@ class EdgeTriangle {
     }
     const Vec3<Int>& p = p_[least];
     const Vec3<Int> pq = p_[greatest] - p, pu = p_[kU] - p, pv = p_[kV] - p, uv = pv - pu;
-    // A direction of the line that holds p q and the common part; if all are points, one that parts them.
+    // The direction of the line that contains p q and the common part, or from one point to the other.
     const Vec3<Int>& d = !is_zero(pq) ? pq : !is_zero(uv) ? uv : pu;
     const Vec3<Area> off_u = wide_cross(d, pu), off_v = wide_cross(d, pv);
     const OnEdge<Area> from_p{wide_dot(d, pu), wide_dot(d, pv)};
@@ -170,11 +185,13 @@ class EdgeTriangle {
   const uint32_t (&ids_)[5];
 };
 
-/// exact_edge_triangle() on any backend. Returns false, and leaves `verdict` as it is, if the exponents of the
-/// coordinates are too far apart: then the host decides.
+/// Does the same as exact_edge_triangle() (exact/crossings.hpp), on any backend. Returns false, and leaves `verdict` as
+/// it is, if the exponents of the coordinates are too far apart. Then the host has to decide.
 COLLIDED_HD inline bool decide_edge_triangle(const Vec3<double> (&points)[5], const uint32_t (&ids)[5],
                                              EdgeTriangleVerdict& verdict) {
   return with_fixed_integers(points, [&](const auto* p) { verdict = EdgeTriangle(p, ids).verdict(); });
 }
 
-}  // namespace collided::exact::fixed
+}  // namespace exact::fixed
+
+}  // namespace collided

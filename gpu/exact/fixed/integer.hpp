@@ -155,7 +155,8 @@ COLLIDED_HD double to_double(const Integer<N>& a) {
   return a.is_negative() ? -value : value;
 }
 
-/// Returns |a| / |b|, not above 1, both rounded toward 0 to 53 bits: the same whatever the limbs and the unit.
+/// Returns |a| / |b|, where |a| <= |b|, both rounded toward 0 to 53 bits. The result depends neither on the number of
+/// limbs nor on the unit. Number has the same function.
 template <int N, int M>
 COLLIDED_HD double ratio(const Integer<N>& a, const Integer<M>& b) {
   return to_double(leading_bits(a)) / to_double(leading_bits(b));

@@ -1,26 +1,29 @@
 #pragma once
-// The orientation of four points, with ties broken by Simulation of Simplicity (Edelsbrunner, Muecke 1990). Templates
-// on the integers: of fixed size (Integer) on any backend, of any size (Number) on the host.
+// Decides on which side of a plane through three points a fourth one is. Ties are broken by Simulation of Simplicity
+// (Edelsbrunner, Muecke 1990). The templates take integers of fixed size on any backend, and of any size on the host.
 //
-// Coordinate c of vertex i moves by e^(2^(3 i + c)), for an e above 0 and smaller than any number that it is compared
-// with. The volume V is then a polynomial in e: each set S of coordinates gives a term, the derivative of V by all of S
-// times e to the sum of S's powers of two. (V is linear in each coordinate.) Different sets have different sums, and
-// the set whose last coordinate comes first has the smaller one, so V's sign is that of its first derivative that is
-// not 0, in the order of binary numbers. Only the order of ids counts, not their values. For vertices 0 1 2 3 in that
-// order:
-//   1, 2, 4          0x  0y  0z                  -N, N = (p2 - p1) x (p3 - p1)
-//   8, 10, 12        1x  1x 0y  1x 0z            M.x, -D.z, D.y, M = (p2 - p0) x (p3 - p0), D = p3 - p2
-//   16, 17, 20       1y  1y 0x  1y 0z            M.y, D.z (known to be 0), -D.x
-//   32, 33, 34       1z  1z 0x  1z 0y            0, since p2 = p3 if all before are 0
-//   64, 66, 68       2x  2x 0y  2x 0z            Q.x, E.z, -E.y, Q = (p3 - p0) x (p1 - p0), E = p3 - p1
-//   80, 84           2x 1y  2x 1y 0z             p0.z - p3.z, 1
-// The last one is never 0. All are made of differences, so that they fit where the volume fits.
+// Coordinate c of vertex i moves by e^(2^(3 i + c)), for an e > 0 as small as need be. The volume is linear in each
+// coordinate, so it becomes a polynomial in e: each set of coordinates adds the volume's derivative by all of them,
+// times e to the sum of their powers of two. Different sets have different sums, as binary numbers. The sign is
+// therefore that of the first derivative that is not 0, in the order of these numbers. It depends on the order of ids
+// alone. For points p0 to p3 in that order, with N = (p2 - p1) x (p3 - p1), M = (p2 - p0) x (p3 - p0), Q = (p3 - p0) x
+// (p1 - p0), D = p3 - p2, E = p3 - p1, and 1x for coordinate x of p1:
+//
+//   number          derivative by              is
+//    1,  2,  4      0x     0y      0z          -N.x   -N.y   -N.z
+//    8, 10, 12      1x     1x 0y   1x 0z        M.x   -D.z    D.y
+//   16, 17, 20      1y     1y 0x   1y 0z        M.y    D.z   -D.x
+//   32, 33, 34      1z     1z 0x   1z 0y        M.z   -D.y    D.x     (0 here, since D is)
+//   64, 66, 68      2x     2x 0y   2x 0z        Q.x    E.z   -E.y
+//   80, 84          2x 1y  2x 1y 0z             p0.z - p3.z,  1
+//
+// All are made of differences, so they fit where the volume does.
 
 #include "gpu/exact/fixed/differences.hpp"
 
 namespace collided::exact::fixed {
 
-/// Returns det(b - a, c - a, d - a): above 0 if d is on the side of a b c that (b - a) x (c - a) points to.
+/// Returns det(b - a, c - a, d - a). It is above 0 if (b - a) x (c - a) points to the side of d.
 template <class Int>
 COLLIDED_HD COLLIDED_CALLED auto volume(const Vec3<Int>& a, const Vec3<Int>& b, const Vec3<Int>& c,
                                         const Vec3<Int>& d) {

@@ -1,5 +1,5 @@
-// Crossings of an edge and a triangle, against a judge that knows no orientations: common points are the solutions of
-// linear equations in rationals, and ties are broken with polynomials in e.
+// Tests crossings of an edge and a triangle against a judge that has no orientations: it solves linear equations in
+// rationals for common points, and breaks ties with polynomials in e.
 
 #include "gpu/exact/crossings.hpp"
 
@@ -15,7 +15,6 @@
 #include <random>
 #include <vector>
 
-#include "gpu/exact/fixed/edge_triangle.hpp"
 #include "gpu/exact/integers.hpp"
 
 namespace collided::test {
@@ -42,13 +41,13 @@ std::string text(const Case& c) {
 
 std::array<double, 3> coordinates(const Point& p) { return {p.x, p.y, p.z}; }
 
-// The judge of `meets`, and of where.
+// This part judges `meets`, and the point.
 
 /// Weights of u v a b c, those of u v and those of a b c with the sum 1.
 using Weights = std::array<mpq_class, 5>;
 
-/// The common point of the planes (lines, points) through those of u v and those of a b c that `chosen` names, if there
-/// is exactly one set of weights for it. Its weights may be negative.
+/// Solves for the weights of a common point, where only the vertices in the bit set `chosen` have weights other than 0.
+/// Returns nothing unless there is exactly one solution. Weights may be negative.
 std::optional<Weights> common_point(const Case& c, unsigned chosen) {
   std::vector<int> columns;
   for (int i = 0; i < 5; ++i)
@@ -85,8 +84,8 @@ struct Truth {
   Weights first, last;                    ///< the first and the last common point on the edge
 };
 
-/// All weights of common points are a polytope. If there are any, it has corners, whose weights above 0 are the only
-/// ones of their subset; so a look at all subsets finds them all.
+/// The weights of all common points form a polytope. At its corners the weights above 0 are the only solution for their
+/// vertices, so trying all subsets of vertices finds every corner.
 Truth truth_of(const Case& c) {
   Truth t;
   for (unsigned chosen = 1; chosen < 32; ++chosen) {
@@ -100,9 +99,9 @@ Truth truth_of(const Case& c) {
   return t;
 }
 
-// The judge of `crosses`: coordinates as they are moved, and the sign of a polynomial for small e.
+// This part judges `crosses`: it moves coordinates, and takes the sign of the resulting polynomials for small e.
 
-/// By the power of e.
+/// Maps a power of e to its factor.
 using Polynomial = std::map<uint64_t, mpz_class>;
 
 Polynomial operator+(Polynomial a, const Polynomial& b) {
@@ -151,7 +150,7 @@ Crossing crossing_of(const Case& c) {
   return {u != v && m.side(0, 1, 3, 4) == first && m.side(0, 1, 4, 2) == first, u > 0};
 }
 
-// What is judged.
+// The rest compares.
 
 constexpr double kRoundingOfPoints = 0x1p-49;
 
@@ -159,7 +158,7 @@ void expect_near(double found, const mpq_class& truth, const Case& c) {
   EXPECT_LE(abs(mpq_class(found) - truth), kRoundingOfPoints) << found << ' ' << truth.get_d() << '\n' << text(c);
 }
 
-/// The middle of the common part; where weights are not unique (T has no area), the point that they give.
+/// Expects the middle of the common part. Weights need not be unique, but have to give that point.
 void expect_point(const EdgeTriangleVerdict& v, const Truth& t, const Case& c) {
   const mpq_class along = (t.first[1] + t.last[1]) / 2;
   expect_near(v.along, along, c);
@@ -202,7 +201,7 @@ bool same(const EdgeTriangleVerdict& a, const EdgeTriangleVerdict& b) {
          a.along == b.along && a.weights[0] == b.weights[0] && a.weights[1] == b.weights[1];
 }
 
-/// The same decision in numbers that are wider than it needs, bit by bit.
+/// Expects the same bits from numbers that are wider than necessary.
 void expect_same_in_any_size(const EdgeTriangleVerdict& v, const Case& c) {
   const std::vector<Vec3<exact::Number>> numbers = exact::integers(c.p);
   EXPECT_TRUE(same(EdgeTriangle(numbers.data(), c.id).verdict(), v)) << text(c);
@@ -212,7 +211,7 @@ void expect_same_in_any_size(const EdgeTriangleVerdict& v, const Case& c) {
   if (unit.fits<2>()) exact::fixed::use_counted<2>(unit, c.p, wide);
 }
 
-/// On a lattice of `size` coordinates an axis, with ids in any order.
+/// Returns points of a lattice with `size` coordinates per axis, and ids in random order.
 Case any_lattice_case(std::mt19937& random, int size) {
   std::uniform_int_distribution<int> coordinate(0, size - 1);
   Case c;
@@ -266,7 +265,7 @@ TEST(Crossings, InOnePlane) {
   EXPECT_GT(crossed, 100);
 }
 
-/// In general position: one system of equations tells.
+/// One system of equations decides in general position.
 TEST(Crossings, OfAnySize) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -333,8 +332,7 @@ TEST(Crossings, ExtremeNumbers) {
   EXPECT_EQ(met, 7 * 120);
 }
 
-/// A crossing of properly placed features, told in full.
-TEST(Crossings, APointAndASide) {
+TEST(Crossings, HaveAPointAndASide) {
   const Case c{{{1, 2, 3}, {1, 2, -1}, {0, 0, 0}, {4, 0, 0}, {0, 8, 0}}};
   const EdgeTriangleVerdict v = decide(c);
   EXPECT_TRUE(v.crosses && v.meets && !v.touches && v.from_front);
@@ -393,7 +391,7 @@ TEST(Crossings, DependOnNothingElse) {
   }
 }
 
-/// The crossings of all edges of each triangle with the other one, by places in a list of points.
+/// Counts crossings between edges of one triangle and the other triangle. Both are given by indices of points.
 int ends_of(const std::array<size_t, 3>& s, const std::array<size_t, 3>& t, const std::vector<Point>& p,
             const std::vector<uint32_t>& id) {
   int ends = 0;
