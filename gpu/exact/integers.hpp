@@ -2,8 +2,11 @@
 // Doubles as integers: all of a query's numbers times one power of two. The decisions do not depend on the unit.
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "gpu/base/vec3.hpp"
+#include "gpu/exact/fixed/orientation.hpp"
 #include "gpu/exact/form.hpp"
 
 namespace collided::exact {
@@ -18,5 +21,14 @@ using ExactQuery = QueryOf<Form>;
 
 ExactQuery at_rest(const Vec3<double> (&points)[4], double thickness);
 ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness);
+
+/// Returns the points in one unit, in which all coordinates are integers.
+std::vector<Vec3<Number>> integers(std::span<const Vec3<double>> points);
+
+/// Calls use(p) with the points as integers, `const Vec3<Int>* p`. Int is of fixed size where they fit, else Number.
+template <int n, class Use>
+void with_integers(const Vec3<double> (&points)[n], const Use& use) {
+  if (!fixed::with_fixed_integers(points, use)) use(static_cast<const Vec3<Number>*>(integers(points).data()));
+}
 
 }  // namespace collided::exact
