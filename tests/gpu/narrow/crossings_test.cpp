@@ -136,7 +136,9 @@ void expect_judged(const Case& c, Scalar scalar, size_t least) {
     EXPECT_TRUE(all.empty() || r.any_contact);
     EXPECT_TRUE(found.toi.empty() && found.distance.empty() && found.normals.empty());
     expect_points_on_both(found, surface, scalar == Scalar::kF32 ? 1e-4 : 1e-11);
-    if (before) EXPECT_TRUE(same_bytes(found, before->edge_triangle));
+    if (before) {
+      EXPECT_TRUE(same_bytes(found, before->edge_triangle));
+    }
     before = std::move(r);
   }
 }
