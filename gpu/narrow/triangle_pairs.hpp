@@ -36,7 +36,8 @@ COLLIDED_HD bool load_differences(const Vec3<uint32_t>& a, const Vec3<uint32_t>&
   return true;
 }
 
-/// Whether a plane across the axis is certain to part n points from the corners of a triangle, from which they are at d.
+/// Whether a plane across the axis is certain to part n points from the corners of a triangle, from which they are at
+/// d.
 template <class Work, int n>
 COLLIDED_HD bool separates(const Vec3<Work> (&d)[n][3], const Vec3<Work>& axis) {
   const Direction<Work> direction = direction_of(axis);

@@ -54,8 +54,9 @@ void check_quantization(const SceneSpec& spec) {
                        "triangle_triangle is on, but of encoded positions nobody can tell which "
                        "triangles intersect");
   if (spec.kinds.edge_triangle)
-    throw InvalidInput("edge_triangle",
-                       "edge_triangle is on, but of encoded positions nobody can tell which edges go through triangles");
+    throw InvalidInput(
+        "edge_triangle",
+        "edge_triangle is on, but of encoded positions nobody can tell which edges go through triangles");
 }
 
 std::string name_of(Mode mode) { return mode == Mode::kDcd ? "DCD" : mode == Mode::kCcd ? "CCD" : "DCD_AND_CCD"; }

@@ -23,8 +23,7 @@ class ContactPhase {
     if (is_of_features(first_of(needs_.kinds))) detect_features();
     if (needs_.kinds.triangle_triangle)
       detect_triangles(
-          ContactKind::kTriangleTriangle, [&] { candidates_.search_triangles(); },
-          [&] { narrow_.detect_triangles(); });
+          ContactKind::kTriangleTriangle, [&] { candidates_.search_triangles(); }, [&] { narrow_.detect_triangles(); });
     if (needs_.kinds.edge_triangle)
       detect_triangles(
           ContactKind::kEdgeTriangle, [&] { candidates_.search_crossings(); }, [&] { narrow_.detect_crossings(); });

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "gpu/narrow/certified_proximity.hpp"
-#include "gpu/narrow/crossings.hpp"
 #include "gpu/narrow/fast_loose.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/normal.hpp"
@@ -13,6 +12,7 @@
 #include "gpu/narrow/triangle_pairs.hpp"
 #include "gpu/state/buffers.hpp"
 #include "gpu/state/plan.hpp"
+#include "gpu/step/crossing_pairs.hpp"
 #include "gpu/step/deciding.hpp"
 #include "gpu/step/plan/order_predictor.hpp"
 

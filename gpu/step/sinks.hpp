@@ -171,17 +171,4 @@ struct TrianglePairSink {
   COLLIDED_HD static bool has(const Triangle &t, uint32_t v) { return t.x == v || t.y == v || t.z == v; }
 };
 
-/// Pairs an edge of one of which may go through the other: they share one vertex at most, and one is a triangle.
-struct CrossingPairSink : TrianglePairSink {
-  COLLIDED_HD bool take(uint32_t a, uint32_t b) const {
-    uint64_t key;
-    return !keeps(a, b, key) || pairs.push(key);
-  }
-  COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t &key) const {
-    const Triangle p = triangles[a], q = triangles[b];
-    key = pack_ids(a, b);
-    return int{has(p, q.x)} + int{has(p, q.y)} + int{has(p, q.z)} < 2 && !(is_loose(p) && is_loose(q));
-  }
-};
-
 }  // namespace collided

@@ -1,12 +1,13 @@
 // Edges that go through triangles, against rationals: all of them, at every level, with neighbours.
 
+#include "gpu/exact/crossings.hpp"
+
 #include <gmpxx.h>
 
 #include <algorithm>
 #include <optional>
 #include <random>
 
-#include "gpu/exact/crossings.hpp"
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
 #include "tests/gpu/refused_field.hpp"
@@ -150,8 +151,7 @@ Case crumpled(uint32_t seed, uint32_t n, double by) {
   Positions positions;
   std::vector<std::array<uint32_t, 3>> triangles;
   for (uint32_t i = 0; i <= n; ++i)
-    for (uint32_t j = 0; j <= n; ++j)
-      positions.push_back({i + move(random), j + move(random), move(random)});
+    for (uint32_t j = 0; j <= n; ++j) positions.push_back({i + move(random), j + move(random), move(random)});
   for (uint32_t i = 0; i < n; ++i)
     for (uint32_t j = 0; j < n; ++j) {
       const uint32_t a = i * (n + 1) + j, b = a + 1, c = a + n + 1, d = c + 1;
@@ -263,8 +263,8 @@ TEST_F(CrossingRules, AreTheSameForEachEngineAndInShards) {
   const Case c = crumpled(4, 24, 1.2);
   const FrameResult expected = run_case(c, crossings_alone());
   EXPECT_GT(expected.edge_triangle.size(), 500u);
-  for (const Engine engine : {Engine::kOctree, Engine::kTopDown, Engine::kUniformGrid, Engine::kLbvh, Engine::kVss,
-                              Engine::kAllPairs}) {
+  for (const Engine engine :
+       {Engine::kOctree, Engine::kTopDown, Engine::kUniformGrid, Engine::kLbvh, Engine::kVss, Engine::kAllPairs}) {
     SceneSpec spec = crossings_alone();
     spec.engine = engine;
     EXPECT_TRUE(same_bytes(run_case(c, spec).edge_triangle, expected.edge_triangle)) << static_cast<int>(engine);
