@@ -156,16 +156,18 @@ class EdgeTriangle {
     const Vec3<Area> off_u = wide_cross(d, pu), off_v = wide_cross(d, pv);
     const OnEdge<Area> from_p{wide_dot(d, pu), wide_dot(d, pv)};
     const Area length = wide_dot(d, pq);
+    const OnEdge<Area> to_q{length - from_p.at_u, length - from_p.at_v};
     EdgePart<Area> part;
     part.cut_to_zero({off_u.x, off_v.x});
     part.cut_to_zero({off_u.y, off_v.y});
     part.cut_to_zero({off_u.z, off_v.z});
     part.cut(from_p);
-    part.cut({length - from_p.at_u, length - from_p.at_v});
+    part.cut(to_q);
     if (part.is_empty()) return false;
     verdict.along = part.middle();
-    const double of_q = length.is_zero() ? 0 : part.middle_of(from_p, length);
-    const auto weight = [&](int corner) { return corner == greatest ? of_q : corner == least ? 1 - of_q : 0; };
+    const auto weight = [&](int corner) {
+      return corner == greatest ? part.middle_of(from_p, length) : corner == least ? part.middle_of(to_q, length) : 0;
+    };
     set_weights(verdict, weight(kB), weight(kC));
     return true;
   }

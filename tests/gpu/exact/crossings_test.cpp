@@ -305,6 +305,26 @@ TEST(Crossings, OfAnySize) {
   EXPECT_LT(ties, 100);
 }
 
+/// Volumes have more bits than a double here, so rounded weights of b and c would have a sum above 1.
+TEST(Crossings, OnASideHaveWeightsOfAtMostOne) {
+  std::mt19937 random(6);
+  std::uniform_int_distribution<int> coordinate(-1000000, 1000000), share(0, 1024);
+  const auto any_point = [&] {
+    return Point{1024.0 * coordinate(random), 1024.0 * coordinate(random), 1024.0 * coordinate(random)};
+  };
+  for (int i = 0; i < 1000; ++i) {
+    Case c;
+    for (Point& p : c.p) p = any_point();
+    const Point on_side = c.p[3] + share(random) / 1024.0 * (c.p[4] - c.p[3]), way = any_point();
+    c.p[0] = on_side - way;
+    c.p[1] = on_side + 3.0 * way;
+    const EdgeTriangleVerdict v = decide(c);
+    EXPECT_TRUE(v.touches);
+    expect_truth(v, truth_of(c), c);
+    if (HasFailure()) return;
+  }
+}
+
 TEST(Crossings, ExtremeNumbers) {
   const double tiny = 0x1p-1074, small = 1e-300, large = 1e300;
   const std::vector<Case> cases = {
