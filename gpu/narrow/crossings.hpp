@@ -8,64 +8,76 @@
 
 namespace collided {
 
+/// use(i) for i = 0, 1, 2: written out, so that a GPU holds what is numbered by i in registers.
+template <class Use>
+COLLIDED_HD void for_each_corner(const Use& use) {
+  use(0), use(1), use(2);
+}
+
 enum class Crossing { kNone, kSure, kDoubt };
 
 /// An edge's ends seen from the corners of a triangle, scaled as in Differences.
+template <class Work>
 struct EdgeFromTriangle {
-  Vec3<double> d[2][3];
-  double extent;
-
-  /// On which side of one of the triangle's sides the edge passes; 0 if that is not certain.
-  COLLIDED_HD int side_of_edge(int k) const { return certain_sign(d[0][k], d[0][(k + 1) % 3], d[1][k], extent); }
+  Vec3<Work> d[2][3];
+  Work extent;
 
   /// Whether a plane is certain to part them. All axes that can are tried, those in a common plane among them.
   COLLIDED_HD bool are_apart() const {
-    const Vec3<double> e = d[1][0] - d[0][0];
-    Vec3<double> q[3];
+    const Vec3<Work> e = d[1][0] - d[0][0];
+    Vec3<Work> q[3];
     for (int k = 0; k < 3; ++k) q[k] = d[0][k] - d[0][(k + 1) % 3];
-    const Vec3<double> n = cross(q[0], q[1]);
+    const Vec3<Work> n = cross(q[0], q[1]);
     if (separates(d, n) || separates(d, cross(n, e))) return true;
     for (int k = 0; k < 3; ++k)
       if (separates(d, cross(n, q[k])) || separates(d, cross(e, q[k]))) return true;
     return false;
   }
 
-  /// `from`, `to`: on which sides of the triangle's plane the ends are; 0 if that is not certain.
-  COLLIDED_HD Crossing look(int from, int to) const {
-    if (from * to == 1) return Crossing::kNone;
+  /// What signs tell. `across`: -1 if the ends are on different sides of the triangle's plane, 1 if they are on the
+  /// same, 0 if that is not certain.
+  COLLIDED_HD Crossing look(int across) const {
+    if (across == 1) return Crossing::kNone;
     int left = 0, right = 0;
-    for (int k = 0; k < 3; ++k) {
-      const int side = side_of_edge(k);
+    for_each_corner([&](int k) {
+      const int side = certain_sign(d[0][k], d[0][(k + 1) % 3], d[1][k], extent);
       left += side > 0, right += side < 0;
-    }
+    });
     if (left > 0 && right > 0) return Crossing::kNone;
-    if (from * to == -1 && left + right == 3) return Crossing::kSure;
-    return are_apart() ? Crossing::kNone : Crossing::kDoubt;
+    return across == -1 && left + right == 3 ? Crossing::kSure : Crossing::kDoubt;
   }
 };
 
 /// Which edges of one triangle go through another, of which it has these differences. `kSwapped`: the other way round.
-template <bool kSwapped>
+template <class Work, bool kSwapped>
 class EdgesFromTriangle {
  public:
-  COLLIDED_HD explicit EdgesFromTriangle(const TriangleDifferences<double>& pair) : pair_(pair) {
-    for (int i = 0; i < 3; ++i) side_[i] = certain_sign(at(i, 0), at(i, 1), at(i, 2), pair.extent);
+  COLLIDED_HD explicit EdgesFromTriangle(const TriangleDifferences<Work>& pair) : pair_(pair) {
+    for_each_corner([&](int i) { side_[i] = certain_sign(at(i, 0), at(i, 1), at(i, 2), pair.extent); });
   }
 
-  /// Of the edge from corner i to the next.
-  COLLIDED_HD Crossing look(int i) const {
-    const int k = (i + 1) % 3;
-    if (side_[i] * side_[k] == 1) return Crossing::kNone;
-    EdgeFromTriangle edge;
+  /// From corner i to the next.
+  COLLIDED_HD EdgeFromTriangle<Work> edge(int i) const {
+    EdgeFromTriangle<Work> edge;
     edge.extent = pair_.extent;
-    for (int j = 0; j < 3; ++j) edge.d[0][j] = at(i, j), edge.d[1][j] = at(k, j);
-    return edge.look(side_[i], side_[k]);
+    for_each_corner([&](int j) { edge.d[0][j] = at(i, j), edge.d[1][j] = at((i + 1) % 3, j); });
+    return edge;
+  }
+  /// What signs tell of this edge.
+  COLLIDED_HD Crossing look(int i) const { return edge(i).look(side_[i] * side_[(i + 1) % 3]); }
+  /// Those edges, one bit for each, that signs do not rule out.
+  COLLIDED_HD uint32_t left_of(uint32_t edges) const {
+    uint32_t left = 0;
+    for_each_corner([&](int i) {
+      if ((edges >> i & 1u) != 0 && look(i) != Crossing::kNone) left |= 1u << i;
+    });
+    return left;
   }
 
  private:
-  COLLIDED_HD Vec3<double> at(int i, int j) const { return kSwapped ? -1.0 * pair_.d[j][i] : pair_.d[i][j]; }
+  COLLIDED_HD Vec3<Work> at(int i, int j) const { return kSwapped ? Work(-1) * pair_.d[j][i] : pair_.d[i][j]; }
 
-  const TriangleDifferences<double>& pair_;
+  const TriangleDifferences<Work>& pair_;
   int side_[3];  ///< of the triangle's plane, that the corners are on; 0 if that is not certain
 };
 

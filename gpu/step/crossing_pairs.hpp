@@ -21,7 +21,7 @@ struct CrossingPairSink : TrianglePairSink {
   }
 };
 
-/// Tests the edges that each triangle of a pair owns with the other triangle.
+/// Tests the edges that each triangle of a pair owns with the other triangle. Signs in float rule most of them out.
 template <class Real>
 struct TestCrossings {
   const Vec3<Real>* positions;
@@ -35,15 +35,23 @@ struct TestCrossings {
     if (contacts.early_exit.is_over()) return;
     const uint32_t a = first_id(pairs[i]), b = second_id(pairs[i]);
     const Triangle p = corners[a], q = corners[b];
-    const uint32_t of_p = edges_of(a, p, q), of_q = edges_of(b, q, p);
+    uint32_t of_p = edges_of(a, p, q), of_q = edges_of(b, q, p);
     if ((of_p | of_q) == 0) return;
-    TriangleDifferences<double> pair;
-    if (!load_differences(p, q, positions, pair)) pair = {};  // all in one place: nothing is certain
-    if (of_p != 0) test(of_p, EdgesFromTriangle<false>(pair), a, b);
-    if (of_q != 0) test(of_q, EdgesFromTriangle<true>(pair), b, a);
+    TriangleDifferences<float> rough;
+    if (load_differences(p, q, positions, rough)) {
+      of_p = EdgesFromTriangle<float, false>(rough).left_of(of_p);
+      of_q = EdgesFromTriangle<float, true>(rough).left_of(of_q);
+    }
+    if ((of_p | of_q) != 0) look_closely(a, of_p, b, of_q);
   }
 
  private:
+  COLLIDED_HD COLLIDED_CALLED void look_closely(uint32_t a, uint32_t of_a, uint32_t b, uint32_t of_b) const {
+    TriangleDifferences<double> pair;
+    if (!load_differences(corners[a], corners[b], positions, pair)) pair = {};  // all in one place: nothing is certain
+    if (of_a != 0) test(of_a, EdgesFromTriangle<double, false>(pair), a, b);
+    if (of_b != 0) test(of_b, EdgesFromTriangle<double, true>(pair), b, a);
+  }
   /// One bit for each edge of `element` that it owns and that may go through the triangle.
   COLLIDED_HD uint32_t edges_of(uint32_t element, const Triangle& ids, const Triangle& triangle) const {
     uint32_t edges = is_loose(triangle) ? 0 : owned[element] >> 3 & 7u;
@@ -59,10 +67,11 @@ struct TestCrossings {
   }
   template <class Edges>
   COLLIDED_HD void test(uint32_t which, const Edges& edges, uint32_t element, uint32_t triangle) const {
-    for (int k = 0; k < 3; ++k) {
+    for_each_corner([&](int k) {
       const Crossing seen = (which >> k & 1u) != 0 ? edges.look(k) : Crossing::kNone;
-      if (seen != Crossing::kNone) report(element, k, triangle, seen == Crossing::kSure);
-    }
+      if (seen == Crossing::kSure || (seen == Crossing::kDoubt && !edges.edge(k).are_apart()))
+        report(element, k, triangle, seen == Crossing::kSure);
+    });
   }
   COLLIDED_HD void report(uint32_t element, int k, uint32_t triangle, bool is_sure) const {
     const uint64_t key = pack_ids(at(sides[element], k), triangle);
