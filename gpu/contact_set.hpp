@@ -14,13 +14,13 @@
 namespace collided {
 
 /// Which two features touch, in the order in which answers have them.
-enum class ContactKind { kVertexTriangle, kEdgeEdge, kTriangleTriangle };
-inline constexpr size_t kContactKinds = 3;
+enum class ContactKind { kVertexTriangle, kEdgeEdge, kTriangleTriangle, kEdgeTriangle };
+inline constexpr size_t kContactKinds = 4;
 
 /// One value for each kind.
 template <class T>
 struct PerKind {
-  T vertex_triangle{}, edge_edge{}, triangle_triangle{};
+  T vertex_triangle{}, edge_edge{}, triangle_triangle{}, edge_triangle{};
 
   bool operator==(const PerKind&) const = default;
 };
@@ -31,6 +31,7 @@ constexpr void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(ContactKind::kVertexTriangle, structs.vertex_triangle...);
   visit(ContactKind::kEdgeEdge, structs.edge_edge...);
   visit(ContactKind::kTriangleTriangle, structs.triangle_triangle...);
+  visit(ContactKind::kEdgeTriangle, structs.edge_triangle...);
 }
 
 /// The value of one kind, of a PerKind.
@@ -50,10 +51,10 @@ enum class ContactField { kElements, kToi, kDistance, kWeights, kNormals, kFlags
 /// One array for each field; its values are those of the wire: little-endian, packed.
 template <template <class> class Array>
 struct PerField {
-  Array<std::array<uint32_t, 2>> elements;  ///< vertex, triangle; or two edges or triangles (first < second)
+  Array<std::array<uint32_t, 2>> elements;  ///< vertex or edge, triangle; or two edges or triangles (first < second)
   Array<double> toi;                        ///< [0, 1]; CCD from kFast on
   Array<double> distance;                   ///< >= 0; from kFast on
-  Array<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each edge; if asked for
+  Array<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each of two edges; if asked for
   Array<Normal> normals;                    ///< unit, as narrow/normal.hpp defines it; if asked for
   Array<uint8_t> flags;                     ///< ContactFlags; from kFast on
 };
@@ -109,13 +110,15 @@ constexpr size_t contact_bytes(FieldSet fields) {
 /// kFlagCertified: certain in real arithmetic; kFlagNear: certain only to within delta and the working precision;
 /// kFlagCapped: the limit of iterations was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta);
 /// kFlagSeparating: in contact at t = 0 at a distance above 0, and certain to come no closer in the step than
-/// 1 - kLostAtRest of it (narrow/separating.hpp).
+/// 1 - kLostAtRest of it (narrow/separating.hpp); kFlagTouching: of an edge that goes through a triangle, that real
+/// arithmetic has a tie, and that whether it does follows from the order of their vertices' ids (exact/crossings.hpp).
 enum ContactFlags : uint8_t {
   kFlagCertified = 1,
   kFlagNear = 2,
   kFlagCapped = 4,
   kFlagInitial = 8,
-  kFlagSeparating = 16
+  kFlagSeparating = 16,
+  kFlagTouching = 64
 };
 
 /// Values of a result, in memory that all copies share.

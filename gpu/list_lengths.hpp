@@ -23,7 +23,7 @@ struct ListLengths {
     kLeaves,
     kRegistrations,
     kPairItems,
-    kTrianglePairs,  ///< whose triangles are tested
+    kTrianglePairs,  ///< whose triangles are tested, of the kind that has more of them
     kContacts,
     kEarliest,
     kKept,  ///< candidates of vertex-triangle contacts, then of edge-edge contacts; likewise:

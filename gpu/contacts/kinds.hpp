@@ -49,7 +49,10 @@ struct EdgeEdge {
 constexpr int kFeatureKinds = 2;
 constexpr bool is_of_features(ContactKind kind) { return index_of(kind) < kFeatureKinds; }
 
-/// These kinds, on the tables of a scene.
+/// Whether contacts of these kinds have edges.
+constexpr bool have_edges(const PerKind<bool>& kinds) { return kinds.edge_edge || kinds.edge_triangle; }
+
+/// The kinds of features, on the tables of a scene.
 struct FeatureKinds {
   VertexTriangle vertex_triangle;
   EdgeEdge edge_edge;

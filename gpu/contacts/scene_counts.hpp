@@ -37,7 +37,7 @@ struct SceneCounts {
   bool has_loose_elements() const { return loose_edges + loose_points > 0; }
   /// How many first features the contacts of each kind may have.
   PerKind<uint64_t> first_features() const {
-    return {.vertex_triangle = vertices, .edge_edge = edges, .triangle_triangle = triangles};
+    return {.vertex_triangle = vertices, .edge_edge = edges, .triangle_triangle = triangles, .edge_triangle = edges};
   }
 };
 

@@ -29,7 +29,7 @@ class Unit {
   void see(double x) {
     if (x != 0) exponent_ = std::min(exponent_, to_binary(x).exponent);
   }
-  void see(const Vec3<double> (&points)[4]) {
+  void see(std::span<const Vec3<double>> points) {
     for (const Vec3<double>& p : points)
       for (const double x : {p.x, p.y, p.z}) see(x);
   }
@@ -85,6 +85,14 @@ ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4
     query.points[i] = {form(unit, p.x, q.x), form(unit, p.y, q.y), form(unit, p.z, q.z)};
   }
   return query;
+}
+
+std::vector<Vec3<Number>> integers(std::span<const Vec3<double>> points) {
+  Unit unit;
+  unit.see(points);
+  std::vector<Vec3<Number>> result;
+  for (const Vec3<double>& p : points) result.push_back({unit(p.x), unit(p.y), unit(p.z)});
+  return result;
 }
 
 }  // namespace collided::exact

@@ -2,9 +2,12 @@
 // Doubles as integers: all of a query's numbers times one power of two. The decisions do not depend on the unit.
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "gpu/base/contact_distance.hpp"
 #include "gpu/base/vec3.hpp"
+#include "gpu/exact/fixed/orientation.hpp"
 #include "gpu/exact/form.hpp"
 
 namespace collided::exact {
@@ -19,5 +22,14 @@ using ExactQuery = QueryOf<Form>;
 
 ExactQuery at_rest(const Vec3<double> (&points)[4], const ContactDistance& limit);
 ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], const ContactDistance& limit);
+
+/// Returns the points in one unit, in which all coordinates are integers.
+std::vector<Vec3<Number>> integers(std::span<const Vec3<double>> points);
+
+/// Calls use(p) with the points as integers, `const Vec3<Int>* p`. Int is of fixed size where they fit, else Number.
+template <int n, class Use>
+void with_integers(const Vec3<double> (&points)[n], const Use& use) {
+  if (!fixed::with_fixed_integers(points, use)) use(static_cast<const Vec3<Number>*>(integers(points).data()));
+}
 
 }  // namespace collided::exact

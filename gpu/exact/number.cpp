@@ -1,5 +1,7 @@
 #include "gpu/exact/number.hpp"
 
+#include <cmath>
+
 namespace collided::exact {
 namespace {
 
@@ -116,6 +118,12 @@ void Number::add_product(const Number& a, const Number& b) {
 Number operator/(const Number& a, const Number& b) { return by_gmp(mpz_tdiv_q, a, b); }
 Number common_divisor(const Number& a, const Number& b) { return by_gmp(mpz_gcd, a, b); }
 Number exact_quotient(const Number& a, const Number& b) { return by_gmp(mpz_divexact, a, b); }
+
+double ratio(const Number& a, const Number& b) {
+  int64_t a_exponent = 0, b_exponent = 0;
+  const double quotient = a.to_double(a_exponent) / b.to_double(b_exponent);
+  return std::ldexp(std::fabs(quotient), static_cast<int>(a_exponent - b_exponent));
+}
 
 uint64_t remainder(const Number& a, uint64_t by) {
   mpz_t x;

@@ -45,6 +45,7 @@ class Number {
 
   int sign() const { return size_ < 0 ? -1 : size_ > 0 ? 1 : 0; }
   bool is_zero() const { return size_ == 0; }
+  bool is_negative() const { return size_ < 0; }
   /// Bits of the magnitude; 0 of 0.
   mp_bitcnt_t bits() const { return is_zero() ? 0 : mpn_sizeinbase(limbs_, count(), 2); }
   /// The power of two that divides it; it is not 0.
@@ -114,6 +115,8 @@ class Number {
 Number common_divisor(const Number& a, const Number& b);
 /// a / b, where b divides a.
 Number exact_quotient(const Number& a, const Number& b);
+/// Returns |a| / |b|, where |a| <= |b|, both rounded toward 0 to 53 bits.
+double ratio(const Number& a, const Number& b);
 /// The number in [0, by) that differs from a by a multiple of `by`.
 uint64_t remainder(const Number& a, uint64_t by);
 

@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <array>
 
 #include "gpu/exact/exact.hpp"
-#include "gpu/exact/fixed/differences.hpp"
 #include "gpu/exact/integers.hpp"
 
 namespace collided {
@@ -10,22 +8,12 @@ namespace {
 
 using Point = Vec3<double>;
 
-template <int W>
-int fixed_orientation(const exact::fixed::Unit& unit, const Point (&p)[4]) {
-  const auto [a, b, c, d] =
-      std::array{unit.count<W>(p[0]), unit.count<W>(p[1]), unit.count<W>(p[2]), unit.count<W>(p[3])};
-  return wide_dot(b - a, wide_cross(c - a, d - a)).sign();
-}
-
 /// Sign of the volume of a, b, c, d.
 int orientation(const Point& a, const Point& b, const Point& c, const Point& d) {
-  exact::fixed::Unit unit;
-  unit.see({a, b, c, d});
-  if (unit.fits<1>()) return fixed_orientation<1>(unit, {a, b, c, d});
-  if (unit.fits<2>()) return fixed_orientation<2>(unit, {a, b, c, d});
-  const exact::ExactQuery query = exact::at_rest({a, b, c, d}, 0);
-  const auto& [A, B, C, D] = query.points;
-  return sgn(triple(B - A, C - A, D - A).c.front());
+  int sign = 0;
+  exact::with_integers({a, b, c, d},
+                       [&](const auto* p) { sign = exact::fixed::volume(p[0], p[1], p[2], p[3]).sign(); });
+  return sign;
 }
 
 /// The line through p and q, whose ends are on different sides of the triangle's plane, meets the triangle.

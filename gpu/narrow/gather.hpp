@@ -3,7 +3,7 @@
 
 #include "gpu/base/half_thickness.hpp"
 #include "gpu/base/worlds.hpp"
-#include "gpu/contacts/contact.hpp"
+#include "gpu/contacts/kinds.hpp"
 
 namespace collided {
 
@@ -64,6 +64,24 @@ struct GatherCorners {
     const Vec3<uint32_t> a = triangles[pairs[i] >> 32], b = triangles[static_cast<uint32_t>(pairs[i])];
     const uint32_t v[6] = {a.x, a.y, a.z, b.x, b.y, b.z};
     for (int k = 0; k < 6; ++k) points[6 * i + k] = positions[v[k]];
+  }
+};
+
+/// The ends of the edge of each pair, then the corners of the triangle: their ids, and where they are.
+template <class Real>
+struct GatherEdgeTriangles {
+  const Vec3<Real>* positions;
+  WorldTable<EdgePair> edges;
+  WorldTable<Vec3<uint32_t>> triangles;
+  Span<const uint64_t> pairs;
+  Span<Vec3<Real>> points;
+  Span<uint32_t> ids;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const EdgePair e = edges[pairs[i] >> 32];
+    const Vec3<uint32_t> t = triangles[static_cast<uint32_t>(pairs[i])];
+    const uint32_t v[5] = {e.from, e.to, t.x, t.y, t.z};
+    for (int k = 0; k < 5; ++k) points[5 * i + k] = positions[v[k]], ids[5 * i + k] = v[k];
   }
 };
 

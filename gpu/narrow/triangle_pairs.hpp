@@ -36,15 +36,17 @@ COLLIDED_HD bool load_differences(const Vec3<uint32_t>& a, const Vec3<uint32_t>&
   return true;
 }
 
-template <class Work>
-COLLIDED_HD bool separates(const TriangleDifferences<Work>& pair, const Vec3<Work>& axis) {
-  const Direction<Work> n = direction_of(axis);
-  if (n.length == 0) return false;
+/// Whether a plane across the axis is certain to part n points from the corners of a triangle, from which they are at
+/// d.
+template <class Work, int n>
+COLLIDED_HD bool separates(const Vec3<Work> (&d)[n][3], const Vec3<Work>& axis) {
+  const Direction<Work> direction = direction_of(axis);
+  if (direction.length == 0) return false;
   bool above = true, below = true;
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < n; ++i)
     for (int j = 0; j < 3; ++j) {
-      above = above && lower_bound_along(n.n, pair.d[i][j], Work(0)) > 0;
-      below = below && lower_bound_along(Work(-1) * n.n, pair.d[i][j], Work(0)) > 0;
+      above = above && lower_bound_along(direction.n, d[i][j], Work(0)) > 0;
+      below = below && lower_bound_along(Work(-1) * direction.n, d[i][j], Work(0)) > 0;
     }
   return above || below;
 }
@@ -57,11 +59,11 @@ COLLIDED_HD bool are_apart(const TriangleDifferences<Work>& pair) {
     q[k] = pair.d[0][k] - pair.d[0][(k + 1) % 3];
   }
   const Vec3<Work> n = cross(p[0], p[1]), m = cross(q[0], q[1]);
-  if (separates(pair, n) || separates(pair, m)) return true;
+  if (separates(pair.d, n) || separates(pair.d, m)) return true;
   for (int i = 0; i < 3; ++i) {
-    if (separates(pair, cross(n, p[i])) || separates(pair, cross(m, q[i]))) return true;
+    if (separates(pair.d, cross(n, p[i])) || separates(pair.d, cross(m, q[i]))) return true;
     for (int j = 0; j < 3; ++j)
-      if (separates(pair, cross(p[i], q[j]))) return true;
+      if (separates(pair.d, cross(p[i], q[j]))) return true;
   }
   return false;
 }

@@ -55,7 +55,7 @@ class SceneDryRun {
     const uint64_t of_world = counts_.triangles / count_worlds(spec_);
     tables.triangles.allocate(of_world);
     tables.owned.allocate(counts_.triangles);
-    if (spec_.kinds.edge_edge) tables.triangle_edges.allocate(of_world);
+    if (have_edges(spec_.kinds)) tables.triangle_edges.allocate(of_world);
     if (needs_pair_filter(spec_)) {
       tables.mesh_of_triangle.allocate(of_world);
       tables.rules.allocate(spec_.meshes.size());

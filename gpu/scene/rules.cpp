@@ -26,6 +26,8 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
     throw InvalidInput(
         "triangle_triangle",
         "triangle_triangle is on, but only DCD tests triangle pairs; CCD lists them at CANDIDATES alone");
+  if (spec.kinds.edge_triangle && settings.accuracy == Accuracy::kCandidates && !settings.is_ccd())
+    throw InvalidInput("edge_triangle", "edge_triangle is on, but CANDIDATES decides of no pair whether it crosses");
   check_length("delta", settings.delta, coordinate_limit(spec.scalar));
   if (settings.report == Report::kEarliestOnly && (!settings.is_ccd() || settings.accuracy < Accuracy::kGuarded))
     throw InvalidInput("report", "report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
@@ -49,6 +51,10 @@ void check_quantization(const SceneSpec& spec) {
     throw InvalidInput("triangle_triangle",
                        "triangle_triangle is on, but of encoded positions nobody can tell which "
                        "triangles intersect");
+  if (spec.kinds.edge_triangle)
+    throw InvalidInput(
+        "edge_triangle",
+        "edge_triangle is on, but of encoded positions nobody can tell which edges go through triangles");
 }
 
 std::string name_of(Mode mode) { return mode == Mode::kDcd ? "DCD" : mode == Mode::kCcd ? "CCD" : "DCD_AND_CCD"; }
@@ -243,6 +249,10 @@ void check_spec(const SceneSpec& spec) {
   if (spec.quantized_in) check_quantization(spec);
   if (spec.mode == Mode::kBoth && spec.kinds.triangle_triangle)
     throw InvalidInput("triangle_triangle", "triangle_triangle is on, which needs a scene of DCD or of CCD alone");
+  if (spec.kinds.edge_triangle && spec.mode == Mode::kCcd)
+    throw InvalidInput("edge_triangle", "edge_triangle is on, but edges go through triangles in frames of DCD alone");
+  if (spec.mode == Mode::kBoth && !is_of_features(first_of(spec.kinds)))
+    throw InvalidInput("kinds", "kinds has edge_triangle alone, but frames of CCD have vertex_triangle and edge_edge");
   check_settings(spec, settings_of(spec, {}));
   if (spec.worlds > 0) check_worlds(spec);
   if (!spec.part_devices.empty()) check_parts(spec);

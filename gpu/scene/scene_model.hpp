@@ -63,8 +63,8 @@ class SceneModel {
     ResidentTopology<Exec>& resident = buffers_.topology;
     send(resident.triangles, topology_.triangles);
     send_to_all_worlds(resident.owned, features.owned);
-    if (this->spec().kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
-    if (this->spec().kinds.edge_edge && this->spec().accuracy != Accuracy::kCandidates) require_edges();
+    if (have_edges(this->spec().kinds)) send(resident.triangle_edges, features.triangle_edges);
+    if (have_edges(this->spec().kinds) && this->spec().accuracy != Accuracy::kCandidates) require_edges();
     send_rules(features.rings);
     send_halves();
   }

@@ -268,6 +268,7 @@ struct WorkBuffers {
         exact_keys(exec, "exact"),
         exact_points(exec, "exact"),
         exact_halves(exec, "exact"),
+        exact_ids(exec, "exact"),
         sample(exec, "watched_positions") {}
 
   Buffer<Box<float>, Exec> boxes;
@@ -275,7 +276,7 @@ struct WorkBuffers {
   Buffer<Path<Real>, Exec> paths;  ///< of each vertex, where records do not have them
   Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn or are thick
   Buffer<StepState, Exec> state;
-  Buffer<uint64_t, Exec> triangle_pairs;
+  Buffer<uint64_t, Exec> triangle_pairs;  ///< of one kind after the other
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   std::array<BlockingPairs<Exec>, kFeatureKinds> blocking;       ///< likewise; frames that advance
   FractionBuffers<Exec> ways;                                    ///< frames that advance
@@ -290,6 +291,7 @@ struct WorkBuffers {
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
   Buffer<PairHalves, Exec> exact_halves;  ///< of the keys; scenes with thick meshes
+  Buffer<uint32_t, Exec> exact_ids;
   Buffer<Vec3<Real>, Exec> sample;        ///< positions on their way to those who watch the scene
 };
 

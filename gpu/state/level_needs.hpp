@@ -43,25 +43,36 @@ struct LevelNeeds {
   bool has_narrow_phase() const { return settings.accuracy != Accuracy::kCandidates; }
   /// Triangles of a frame are tested at every level; in CCD their boxes are all there is.
   bool tests_triangles() const { return kinds.triangle_triangle && !is_ccd(); }
+  /// Edges that go through triangles are those of a DCD frame.
+  bool tests_crossings() const { return kinds.edge_triangle && !is_ccd(); }
+  /// Some contacts are left to exact arithmetic on the host.
+  bool settles() const { return is_exact() || tests_crossings(); }
   /// What is reported of a kind is a contact, not just a candidate.
-  bool tests(ContactKind kind) const { return is_of_features(kind) ? has_narrow_phase() : tests_triangles(); }
+  bool tests(ContactKind kind) const {
+    if (is_of_features(kind)) return has_narrow_phase();
+    return kind == ContactKind::kEdgeTriangle ? tests_crossings() : tests_triangles();
+  }
   /// Contacts stay on the backend.
   bool keeps_contacts() const { return has_room && !is_any_hit(); }
-  /// The step itself puts them where they are to stay; at kExact the host decides first which are contacts.
-  bool places_contacts() const { return keeps_contacts() && !is_exact(); }
+  /// The step itself puts them where they are to stay, unless the host has to decide first which are contacts.
+  bool places_contacts() const { return keeps_contacts() && !settles(); }
   /// At kExact: contacts of features are decided in the step, as far as that goes.
   bool decides_in_step() const { return is_exact() && settings.thickness == 0 && !settings.differs_by_pair(); }
   bool has_times() const { return columns().has(ContactField::kToi); }
 
   /// Contacts have more than their ids.
-  bool has_data() const { return has_narrow_phase() || tests_triangles(); }
+  bool has_data() const { return has_narrow_phase() || tests_triangles() || tests_crossings(); }
 
   /// What contacts of a kind have.
   FieldSet fields_of(ContactKind kind) const {
     FieldSet present = {ContactField::kElements};
     if (!tests(kind)) return present;
     present = present.with(ContactField::kFlags);
-    if (!is_of_features(kind)) return present;
+    if (kind == ContactKind::kTriangleTriangle) return present;
+    if (kind == ContactKind::kEdgeTriangle) {
+      const bool has_weights = fields.has(ContactField::kWeights) && !is_any_hit();
+      return has_weights ? present.with(ContactField::kWeights) : present;
+    }
     if (is_ccd()) present = present.with(ContactField::kToi);
     if (is_any_hit()) return present;  // no contact is returned
     for (const ContactField field : {ContactField::kDistance, ContactField::kWeights, ContactField::kNormals})
@@ -92,13 +103,14 @@ struct LevelNeeds {
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings, const ContactRoom& room = {}) {
   LevelNeeds needs{settings, spec.kinds, spec.fields};
+  if (needs.is_ccd()) needs.kinds.edge_triangle = false;
   needs.has_room = !room.memory.empty();
   if (!needs.has_room) return needs;
   for_each_kind(
       [&](ContactKind kind, bool is_wanted) {
         if (is_wanted) needs.widths.set(kind, needs.fields_of(kind) & room.fields, room.stencils);
       },
-      spec.kinds);
+      needs.kinds);
   return needs;
 }
 
@@ -106,7 +118,7 @@ inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings,
 inline LevelNeeds needs_of_ways(const SceneSpec& spec, const WayRules& ways) {
   const FrameSettings settings{Mode::kCcd, Accuracy::kGuarded, 0, Report::kAll, 0, 0, false};
   LevelNeeds needs{settings, spec.kinds, {ContactField::kElements}};
-  needs.kinds.triangle_triangle = false;
+  needs.kinds.triangle_triangle = needs.kinds.edge_triangle = false;
   needs.tells_contacts = false;
   needs.advances = true;
   needs.ways = ways;
@@ -122,7 +134,7 @@ inline LevelNeeds needs_of_rest_pairs(const SceneSpec& spec) {
   const FrameSettings settings{
       Mode::kDcd, Accuracy::kExact, 0, Report::kAll, distance, distance, false, 0, is_contact ? thickest_of(spec) : 0};
   PerKind<bool> kinds = spec.kinds;
-  kinds.triangle_triangle = false;
+  kinds.triangle_triangle = kinds.edge_triangle = false;
   return {settings, kinds, {ContactField::kElements}, true};
 }
 

@@ -46,7 +46,7 @@ struct StepState {
   uint64_t large, bricks[kMaxRounds], brick_items[kMaxRounds];
   uint64_t pairs, candidates[kFeatureKinds], kept[kFeatureKinds], screened[kFeatureKinds], resumable[kFeatureKinds];
   uint64_t near_misses[kFeatureKinds];  ///< pairs that a contact's time is sought for once more
-  uint64_t triangle_pairs, contacts, earliest, crowded_ranks;
+  uint64_t triangle_pairs, crossing_pairs, contacts, earliest, crowded_ranks;
   KindBegins kinds;  ///< in the sorted list
 
   uint64_t neighbours[kFeatureKinds];  ///< that the step listed
@@ -85,7 +85,7 @@ inline ListLengths lengths_of(const StepState& state) {
   lengths[ListLengths::kLeaves] = state.leaves[LeafSum::kLeaves];
   lengths[ListLengths::kRegistrations] = state.leaves[LeafSum::kRegistrations];
   lengths[ListLengths::kPairItems] = state.leaves[LeafSum::kItems];
-  lengths[ListLengths::kTrianglePairs] = state.triangle_pairs;
+  lengths[ListLengths::kTrianglePairs] = max(state.triangle_pairs, state.crossing_pairs);
   lengths[ListLengths::kContacts] = state.contacts;
   lengths[ListLengths::kEarliest] = state.earliest;
   for (int kind = 0; kind < kFeatureKinds; ++kind) {

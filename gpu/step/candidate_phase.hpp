@@ -46,16 +46,13 @@ class CandidatePhase {
   /// Pairs of triangles, which are contacts where nothing looks at them more closely.
   void search_triangles() {
     constexpr ContactKind kKind = ContactKind::kTriangleTriangle;
-    const bool is_narrow = needs().tests_triangles();
-    exec_.stage("pairs_tt", [&] {
-      find_pairs("find_triangle_pairs", kKind,
-                 TrianglePairSink{scene_.topology.corners(),
-                                  is_narrow ? narrow_.pairs_of_triangles() : all_contacts(),
-                                  is_narrow ? 0 : narrow_.ranks().begin[index_of(kKind)],
-                                  narrow_.early_exit(),
-                                  {pairs_counter(kKind), nullptr, nullptr},
-                                  scene_.topology.rings()});
-    });
+    exec_.stage("pairs_tt", [&] { find_pairs("find_triangle_pairs", kKind, sink_of_triangles(kKind)); });
+  }
+  /// Pairs of triangles an edge of which may go through the other.
+  void search_crossings() {
+    constexpr ContactKind kKind = ContactKind::kEdgeTriangle;
+    exec_.stage("pairs_et",
+                [&] { find_pairs("find_crossing_pairs", kKind, CrossingPairSink{sink_of_triangles(kKind)}); });
   }
 
  private:
@@ -89,7 +86,7 @@ class CandidatePhase {
              list(ContactKind::kVertexTriangle),
              list(ContactKind::kEdgeEdge),
              is_narrow ? 0 : narrow_.ranks().begin[kIndexOf<EdgeEdge>],
-             narrow_.early_exit(),
+             narrow_.early_exit(first_of(wanted)),
              {pairs_counter(first_of(wanted)), &state->candidates[kIndexOf<VertexTriangle>],
               &state->candidates[kIndexOf<EdgeEdge>]},
              excluded});
@@ -110,6 +107,15 @@ class CandidatePhase {
                                            {pairs_counter(first_kind()), nullptr, nullptr}}});
   }
 
+  TrianglePairSink sink_of_triangles(ContactKind kind) const {
+    const bool is_narrow = needs().tests(kind);
+    return {scene_.topology.corners(),
+            is_narrow ? narrow_.pairs_of_triangles(kind) : all_contacts(),
+            is_narrow ? 0 : narrow_.ranks().begin[index_of(kind)],
+            narrow_.early_exit(kind),
+            {pairs_counter(kind), nullptr, nullptr},
+            scene_.topology.rings()};
+  }
   FiltersOfWorlds filters_of_worlds() const {
     return counts_.worlds == 0 ? FiltersOfWorlds{}
                                : FiltersOfWorlds{scene_.worlds.filters.data(), counts_.world_shape().triangles};

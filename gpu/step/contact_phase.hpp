@@ -21,7 +21,12 @@ class ContactPhase {
 
   void detect_all() {
     if (is_of_features(first_of(needs_.kinds))) detect_features();
-    if (needs_.kinds.triangle_triangle) detect_triangles();
+    if (needs_.kinds.triangle_triangle)
+      detect_triangles(
+          ContactKind::kTriangleTriangle, [&] { candidates_.search_triangles(); }, [&] { narrow_.detect_triangles(); });
+    if (needs_.kinds.edge_triangle)
+      detect_triangles(
+          ContactKind::kEdgeTriangle, [&] { candidates_.search_crossings(); }, [&] { narrow_.detect_crossings(); });
   }
   /// Finds the pairs that ways are shortened for, looks at all of them, and finds the contacts if they are wanted.
   void detect_blocking(ShortenPhase<Exec, Real>& shorten) {
@@ -109,12 +114,13 @@ class ContactPhase {
     context_.exec.concurrently([&] { use_those(true); }, [&] { use_those(false); });
   }
 
-  void detect_triangles() {
-    const auto search = [&] { candidates_.search_triangles(); };
-    const auto detect = [&] { part([&] { narrow_.detect_triangles(); }); };
-    if (needs_.is_any_hit()) return look_for_hit(ContactKind::kTriangleTriangle, search, detect);
+  /// Contacts of one of the kinds that pairs of triangles have.
+  template <class Search, class Test>
+  void detect_triangles(ContactKind kind, const Search& search, const Test& test) {
+    const auto detect = [&] { part(test); };
+    if (needs_.is_any_hit()) return look_for_hit(kind, search, detect);
     part(search);
-    if (needs_.tests_triangles()) detect();
+    if (needs_.tests(kind)) detect();
   }
 
   const StepContext<Exec, Real>& context_;

@@ -47,6 +47,21 @@ double least_of_approaching(const double* times, const uint8_t* flags, uint64_t 
   return least;
 }
 
+/// Keeps those at `places` of which take(index in places, place) is true, and all others.
+template <class Take>
+void keep_if(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const Take& take) {
+  std::vector<bool> keep(set.size(), true);
+  size_t kept = set.size();
+  loops.in_turn(places.size(), kAtATime, [&](uint64_t first, uint64_t end) {
+    for (size_t k = first; k < end; ++k) {
+      const bool stays = take(k, places[k]);
+      keep[places[k]] = stays;
+      kept -= stays ? 0 : 1;
+    }
+  });
+  if (kept < set.size()) filter(loops, set, keep);
+}
+
 void keep_one(CpuLoops& loops, ContactSet& set, size_t place) {
   std::vector<bool> keep(set.size(), false);
   if (place < keep.size()) keep[place] = true;
@@ -81,19 +96,22 @@ size_t count_open(const ContactSet& set, const std::vector<size_t>& places) {
 
 void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers,
            const std::vector<Normal>& normals) {
-  std::vector<bool> keep(set.size(), true);
-  size_t kept = set.size();
-  loops.in_turn(places.size(), kAtATime, [&](uint64_t first, uint64_t end) {
-    for (size_t k = first; k < end; ++k) {
-      const size_t i = places[k];
-      keep[i] = answers[k].hit;
-      kept -= answers[k].hit ? 0 : 1;
-      set.flags[i] = decided_flags(set.flags[i], answers[k].initial);
-      if (!set.toi.empty()) set.toi[i] = answers[k].toi;
-      if (!normals.empty()) set.normals[i] = normals[k];
-    }
+  keep_if(loops, set, places, [&](size_t k, size_t i) {
+    set.flags[i] = decided_flags(set.flags[i], answers[k].initial);
+    if (!set.toi.empty()) set.toi[i] = answers[k].toi;
+    if (!normals.empty()) set.normals[i] = normals[k];
+    return answers[k].hit;
   });
-  if (kept < set.size()) filter(loops, set, keep);
+}
+
+void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places,
+           const std::vector<EdgeTriangleVerdict>& verdicts) {
+  keep_if(loops, set, places, [&](size_t k, size_t i) {
+    const EdgeTriangleVerdict& verdict = verdicts[k];
+    set.flags[i] = static_cast<uint8_t>(kFlagCertified | (verdict.touches ? kFlagTouching : 0));
+    if (!set.weights.empty()) set.weights[i] = {verdict.weights[0], verdict.weights[1]};
+    return verdict.crosses;
+  });
 }
 
 void take_marks(CpuLoops& loops, ContactSet& set) {

@@ -1,6 +1,7 @@
 #pragma once
 // What happens to contacts once they are on the host. Lists may be long: the loops ask whether the frame goes on.
 
+#include "gpu/exact/crossings.hpp"
 #include "gpu/exact/decision.hpp"
 #include "gpu/exec/cpu/cpu_loops.hpp"
 #include "gpu/types.hpp"
@@ -19,6 +20,10 @@ size_t count_open(const ContactSet& set, const std::vector<size_t>& places);
 /// the set has none.
 void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers,
            const std::vector<Normal>& normals);
+
+/// Takes what exact arithmetic says of the edges and triangles at `places`: what does not cross goes, the rest is certain.
+void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places,
+           const std::vector<EdgeTriangleVerdict>& verdicts);
 
 /// Removes kFlagOnArc from all flags.
 void take_marks(CpuLoops& loops, ContactSet& set);

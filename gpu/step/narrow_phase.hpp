@@ -12,6 +12,7 @@
 #include "gpu/narrow/triangle_pairs.hpp"
 #include "gpu/state/buffers.hpp"
 #include "gpu/state/plan.hpp"
+#include "gpu/step/crossing_pairs.hpp"
 #include "gpu/step/deciding.hpp"
 #include "gpu/step/plan/order_predictor.hpp"
 
@@ -52,7 +53,8 @@ class NarrowPhase {
     reserve_order<Exec>(scene_.order, plan_.order, id_counts(), most, needs().has_data());
     scene_.columns.reserve(most, needs().columns());
     if (needs().columns().has(ContactField::kNormals)) scene_.normals.allocate(most);
-    if (needs().tests_triangles()) begin_list(scene_.triangle_pairs, first, expected[ListLengths::kTrianglePairs]);
+    if (needs().tests_triangles() || needs().tests_crossings())
+      begin_list(scene_.triangle_pairs, first, expected[ListLengths::kTrianglePairs]);
     if (!needs().has_narrow_phase()) return;
     for_each_kind(
         [&](ContactKind kind, bool is_wanted) {
@@ -75,7 +77,7 @@ class NarrowPhase {
       check(scene_.candidates[kind].resumable, need.resumable[kind]);
       check(scene_.blocking[kind].pairs, need.blocking[kind]);
     }
-    check(scene_.triangle_pairs, need.triangle_pairs);
+    check(scene_.triangle_pairs, max(need.triangle_pairs, need.crossing_pairs));
     const auto check_contacts = [&](ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t kept_of_them) {
       if (count <= contacts.keys.capacity()) return;
       short_of_room = true;
@@ -109,6 +111,16 @@ class NarrowPhase {
     });
   }
 
+  /// Edges that go through triangles. The sure ones of them are contacts already, the host decides the others.
+  void detect_crossings() {
+    exec_.stage("narrow_et", [&] {
+      exec_.for_each("test_crossings", counted(pairs_of_triangles(ContactKind::kEdgeTriangle)),
+                     TestCrossings<Real>{scene_.end.data(), scene_.topology.corners(), scene_.topology.sides(),
+                                         scene_.topology.owned.all(), scene_.topology.rings(),
+                                         scene_.triangle_pairs.all(), sink(ContactKind::kEdgeTriangle)});
+    });
+  }
+
   /// After the last kind: contacts that the report does not want go.
   void keep_earliest() {
     exec_.stage("earliest", [&] {
@@ -120,7 +132,7 @@ class NarrowPhase {
   }
   /// The others are completed and put in order.
   void finish() {
-    if (!needs().tells_contacts || (needs().is_any_hit() && !needs().is_exact())) return;
+    if (!needs().tells_contacts || (needs().is_any_hit() && !needs().settles())) return;
     if (needs().decides_in_step()) exec_.stage("decide", [&] { decide(); });
     if (needs().columns().has(ContactField::kNormals)) exec_.stage("normals", [&] { write_normals(); });
     exec_.stage("order", [&] { order(); });
@@ -131,9 +143,9 @@ class NarrowPhase {
   AppendList<uint64_t> kept(ContactKind kind) {
     return list_of(candidates_of(kind).kept, &scene_.state.data()->kept[index_of(kind)]);
   }
-  /// Returns the list of pairs of triangles.
-  AppendList<uint64_t> pairs_of_triangles() {
-    return list_of(scene_.triangle_pairs, &scene_.state.data()->triangle_pairs);
+  /// Returns the list of pairs of triangles of such a kind.
+  AppendList<uint64_t> pairs_of_triangles(ContactKind kind) {
+    return list_of(scene_.triangle_pairs, &pairs_counter(kind, *scene_.state.data()));
   }
 
   /// Makes the next searches end after `most` candidates; kAll: makes them complete.
@@ -141,8 +153,8 @@ class NarrowPhase {
   static constexpr uint64_t kAll = ~uint64_t{0};
   /// Drops the candidates that a search had no room for. Returns how many it found if those were too many, else 0.
   uint64_t cut_off(ContactKind kind, StepState& found) {
-    uint64_t& count = is_of_features(kind) ? found.kept[index_of(kind)] : found.triangle_pairs;
-    const AppendList<uint64_t> list = is_of_features(kind) ? kept(kind) : pairs_of_triangles();
+    uint64_t& count = is_of_features(kind) ? found.kept[index_of(kind)] : pairs_counter(kind, found);
+    const AppendList<uint64_t> list = is_of_features(kind) ? kept(kind) : pairs_of_triangles(kind);
     if (count <= list.items.size()) return 0;
     const uint64_t all = std::exchange(count, list.items.size());
     exec_.upload(list.count, &count, sizeof(count));
@@ -152,7 +164,10 @@ class NarrowPhase {
   void make_room(ContactKind kind, uint64_t count) {
     (is_of_features(kind) ? candidates_of(kind).kept : scene_.triangle_pairs).ensure(count);
   }
-  EarlyExit early_exit() const { return {&scene_.state.data()->shortcut, needs().settings.report, needs().is_exact()}; }
+  EarlyExit early_exit(ContactKind kind) const {
+    const bool is_settled = needs().is_exact() || kind == ContactKind::kEdgeTriangle;
+    return {&scene_.state.data()->shortcut, needs().settings.report, is_settled};
+  }
 
  private:
   const LevelNeeds& needs() const { return plan_.needs; }
@@ -160,6 +175,9 @@ class NarrowPhase {
     return {list.count, list.items.size(), list.most_in_vain()};
   }
   CandidateBuffers<Exec>& candidates_of(ContactKind kind) { return scene_.candidates[index_of(kind)]; }
+  static uint64_t& pairs_counter(ContactKind kind, StepState& state) {
+    return kind == ContactKind::kEdgeTriangle ? state.crossing_pairs : state.triangle_pairs;
+  }
   AppendList<uint64_t> list_of(const Buffer<uint64_t, Exec>& buffer, uint64_t* count) const {
     const Span<uint64_t> all = buffer.all();
     if (most_first_ == kAll) return {all, count};
@@ -171,7 +189,7 @@ class NarrowPhase {
     return {{contacts.keys.all(), count}, contacts.data.all()};
   }
   ContactSink<Real> sink(ContactKind kind) {
-    return {list(scene_.contacts, &scene_.state.data()->contacts), early_exit(), ranks_.begin[index_of(kind)]};
+    return {list(scene_.contacts, &scene_.state.data()->contacts), early_exit(kind), ranks_.begin[index_of(kind)]};
   }
 
   void reserve(ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t expected = 0) {

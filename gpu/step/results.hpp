@@ -78,7 +78,7 @@ class Results {
     needs_ = needs;
     host_ = host;
     result_ = &result;
-    if (needs_.is_any_hit() && (!needs_.is_exact() || step.shortcut.has_contact != 0)) {
+    if (needs_.is_any_hit() && (!needs_.settles() || step.shortcut.has_contact != 0)) {
       result.any_contact = step.shortcut.has_contact != 0;
       return;
     }
@@ -86,6 +86,7 @@ class Results {
     if (needs_.places_contacts()) return collect_placed(step, found);
     exec_.stage("download", [&] { download(0, found, step.kinds); });
     if (needs_.is_exact()) settle_all(step);
+    if (needs_.tests_crossings()) exec_.stage("exact", [&] { settle_crossings(); });
     report();
     if (needs_.keeps_contacts()) exec_.stage("place", [&] { place_settled(); });
   }
@@ -232,30 +233,56 @@ class Results {
                [&](const auto& keys, ExactAnswer* answers, Normal*) { decide_triangles(keys, answers); });
   }
   uint64_t settling_bytes(size_t count) const {
+    constexpr size_t kAnswer = std::max(sizeof(ExactAnswer) + sizeof(Normal), sizeof(EdgeTriangleVerdict));
     const size_t halves = needs_.settings.differs_by_pair() ? sizeof(PairHalves) : 0,
                  points = 8 * (sizeof(Vec3<Real>) + sizeof(Vec3<double>)) + sizeof(uint64_t) + halves;
-    return count * (sizeof(size_t) + sizeof(ExactAnswer) + sizeof(Normal)) + std::min(count, kSettledAtATime) * points;
+    return count * (sizeof(size_t) + kAnswer) + std::min(count, kSettledAtATime) * points;
   }
   /// Returns how many were decided.
   template <class Decide>
   size_t settle(ContactSet& set, const Decide& decide) {
+    std::vector<ExactAnswer> answers;
+    std::vector<Normal> normals;
+    return settle(
+        set,
+        [&](size_t count) {
+          answers.resize(count);
+          normals.resize(set.normals.empty() ? 0 : count);
+        },
+        [&](const auto& keys, size_t first) {
+          decide(keys, answers.data() + first, normals.empty() ? nullptr : normals.data() + first);
+        },
+        [&](const auto& places) { apply(exec_.host_loops(), set, places, answers, normals); });
+  }
+  /// Those in doubt, ties among them. A tie in which they meet is a contact, even if it is told as no crossing.
+  void settle_crossings() {
+    ContactSet& set = result_->edge_triangle;
+    std::vector<EdgeTriangleVerdict> verdicts;
+    result_->counts.exact_decisions += settle(
+        set, [&](size_t count) { verdicts.resize(count); },
+        [&](const auto& keys, size_t first) { decide_crossings(keys, verdicts.data() + first); },
+        [&](const auto& places) { apply(exec_.host_loops(), set, places, verdicts); });
+    for (const EdgeTriangleVerdict& verdict : verdicts) result_->any_contact = result_->any_contact || verdict.meets;
+  }
+  /// begin(count of what is undecided), then decide(keys, index of the first), then apply(places).
+  template <class Begin, class Decide, class Apply>
+  size_t settle(ContactSet& set, const Begin& begin, const Decide& decide, const Apply& apply) {
     if (needs_.is_any_hit() && result_->any_contact) return 0;
     CpuLoops& loops = exec_.host_loops();
     MemoryHold held(spec_.memory_quota);
     const size_t count = count_undecided(loops, set);
     held.resize(settling_bytes(count));
     const std::vector<size_t> places = undecided(loops, set, count);
-    std::vector<ExactAnswer> answers(places.size());
-    std::vector<Normal> normals(set.normals.empty() ? 0 : places.size());
+    begin(places.size());
     std::vector<uint64_t> keys;
     const size_t open = count_open(set, places);
     for (size_t first = 0; first < open; first += kSettledAtATime) {
       keys.clear();
       for (size_t k = first; k < std::min(open, first + kSettledAtATime); ++k)
         keys.push_back(pack_ids(set.elements[places[k]][0], set.elements[places[k]][1]));
-      decide(keys, answers.data() + first, normals.empty() ? nullptr : normals.data() + first);
+      decide(keys, first);
     }
-    if (!places.empty()) apply(loops, set, places, answers, normals);
+    if (!places.empty()) apply(places);
     result_->any_contact = result_->any_contact || set.size() > 0;
     return count;
   }
@@ -297,6 +324,22 @@ class Results {
                      GatherCorners<Real>{scene_.end.data(), scene_.topology.corners(), resident, out});
     });
     decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_triangles_exactly(corners[i]); });
+  }
+  void decide_crossings(const std::vector<uint64_t>& keys, EdgeTriangleVerdict* verdicts) {
+    std::vector<uint32_t> ids(5 * keys.size());
+    const auto points = gather<5>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
+      scene_.exact_ids.ensure(ids.size());
+      exec_.for_each("gather_edge_triangles", keys.size(),
+                     GatherEdgeTriangles<Real>{scene_.end.data(), scene_.topology.edge_ends(),
+                                               scene_.topology.corners(), resident, out, scene_.exact_ids.all()});
+      exec_.download(ids.data(), scene_.exact_ids.data(), ids.size() * sizeof(uint32_t));
+    });
+    decide_all(keys.size(), [&](uint64_t i) {
+      const auto& p = points[i];
+      const Vec3<double> of_pair[5] = {p[0], p[1], p[2], p[3], p[4]};
+      const uint32_t* of = ids.data() + 5 * i;
+      verdicts[i] = exact_edge_triangle(of_pair, {of[0], of[1], of[2], of[3], of[4]});
+    });
   }
   /// decide(i) for i in [0, count): each takes microseconds, or much longer where exponents lie far apart.
   template <class Decide>

@@ -170,7 +170,7 @@ struct TrianglePairSink {
   COLLIDED_HD bool is_over() const { return early_exit.is_over() || pairs.is_overfull(); }
   COLLIDED_HD void add(uint64_t all, uint64_t, uint64_t) const { totals(all, 0, 0); }
 
- private:
+ protected:
   COLLIDED_HD static bool has(const Triangle &t, uint32_t v) { return t.x == v || t.y == v || t.z == v; }
 };
 

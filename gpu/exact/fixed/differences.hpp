@@ -46,7 +46,7 @@ class Unit {
     const Double mantissa = b.mantissa, n = shift < 0 ? mantissa >> -shift : mantissa << shift;
     Integer<W> r;
     for (int i = 0; i < W; ++i) r.limb[i] = static_cast<uint64_t>(n >> (64 * i));
-    return b.is_negative ? Integer<W>::of(0) - r : r;
+    return b.is_negative ? -r : r;
   }
   template <int W>
   COLLIDED_HD Vec3<Integer<W>> count(const Vec3<double>& p) const {

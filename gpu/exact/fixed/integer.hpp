@@ -52,6 +52,11 @@ COLLIDED_HD Integer<N> operator-(const Integer<N>& a, const Integer<N>& b) {
   return r;
 }
 
+template <int N>
+COLLIDED_HD Integer<N> operator-(const Integer<N>& a) {
+  return Integer<N>::of(0) - a;
+}
+
 /// b from a's limb `at` on is taken from a, modulo 2^(64 N).
 template <int N, int M>
 COLLIDED_HD void subtract_above(Integer<N>& a, const Integer<M>& b, int at) {
@@ -130,13 +135,31 @@ COLLIDED_HD int used_bits(const Integer<N>& a) {
   return 64 * (i + 1) - leading_zeros(a.limb[i]);
 }
 
+/// Returns |a| rounded toward 0 to 53 bits.
+template <int N>
+COLLIDED_HD Integer<N> leading_bits(const Integer<N>& a) {
+  if (a.is_zero()) return a;
+  Integer<N> r = a.is_negative() ? -a : a;
+  int surplus = used_bits(r) - 53;
+  for (int i = 0; i < N && surplus > 0; ++i, surplus -= 64)
+    r.limb[i] = surplus >= 64 ? 0 : r.limb[i] >> surplus << surplus;
+  return r;
+}
+
 /// a within 2^-51 of its magnitude.
 template <int N>
 COLLIDED_HD double to_double(const Integer<N>& a) {
-  const Integer<N> size = a.is_negative() ? Integer<N>::of(0) - a : a;
+  const Integer<N> size = a.is_negative() ? -a : a;
   double value = 0, unit = 1;
   for (int i = 0; i < N; ++i, unit *= 0x1p64) value += static_cast<double>(size.limb[i]) * unit;
   return a.is_negative() ? -value : value;
+}
+
+/// Returns |a| / |b|, where |a| <= |b|, both rounded toward 0 to 53 bits. The result depends neither on the number of
+/// limbs nor on the unit. Number has the same function.
+template <int N, int M>
+COLLIDED_HD double ratio(const Integer<N>& a, const Integer<M>& b) {
+  return to_double(leading_bits(a)) / to_double(leading_bits(b));
 }
 
 /// Cross and dot products may have components of another type than their factors.
@@ -152,8 +175,8 @@ template <int N>
 COLLIDED_HD Vec3<double> to_double(const Vec3<Integer<N>>& a) {
   return {to_double(a.x), to_double(a.y), to_double(a.z)};
 }
-template <int N>
-COLLIDED_HD bool is_zero(const Vec3<Integer<N>>& a) {
+template <class Int>
+COLLIDED_HD bool is_zero(const Vec3<Int>& a) {
   return a.x.is_zero() && a.y.is_zero() && a.z.is_zero();
 }
 

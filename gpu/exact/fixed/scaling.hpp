@@ -24,7 +24,7 @@ class Scaling {
   COLLIDED_HD bool vanishes_at_end() const { return to_.is_zero(); }
   /// The time at which they shrink to a point before the end, rounded down to a multiple of 2^-60.
   COLLIDED_HD uint64_t time() const {
-    const Integer<W> zero = Integer<W>::of(0), from = from_.is_negative() ? zero - from_ : from_,
+    const Integer<W> from = from_.is_negative() ? -from_ : from_,
                      whole = from_.is_negative() ? to_ - from_ : from_ - to_;
     uint64_t k = 0;
     Integer<W> rest = from;  // long division of from / whole, which is below 1

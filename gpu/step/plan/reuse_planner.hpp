@@ -83,7 +83,8 @@ class ReusePlanner {
     bounds_ = bounds;
     missed_ = false;
     is_suited_ = (can_pay_ || !is_auto_) && settings_.accuracy >= Accuracy::kGuarded && !needs.is_any_hit() &&
-                 !needs.finds_rest_pairs && !needs.advances && !needs.kinds.triangle_triangle;
+                 !needs.finds_rest_pairs && !needs.advances && !needs.kinds.triangle_triangle &&
+                 !needs.kinds.edge_triangle;
     choice_ = &choices_[2 * needs.is_ccd() + needs.filters_searches()];
     if (!is_suited_ || !choice_->uses_lists()) return {};
     return life_.serve(settings_) ? ListPlan{ListUse::kReused} : make();

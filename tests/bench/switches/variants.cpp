@@ -34,6 +34,16 @@ std::vector<Variant> make_variants() {
       declares("static ball", declare_static_ball, Send::kClothAlone),
       declares("rigid ball", declare_rigid_ball, Send::kBallByPose),
       declares("DCD alone", [](SceneSpec& s) { s.mode = Mode::kDcd; }),
+      declares("DCD alone, and crossings",
+               [](SceneSpec& s) {
+                 s.mode = Mode::kDcd;
+                 s.kinds.edge_triangle = true;
+               }),
+      declares("DCD alone, and triangle pairs",
+               [](SceneSpec& s) {
+                 s.mode = Mode::kDcd;
+                 s.kinds.triangle_triangle = true;
+               }),
       declares("vertex-triangle alone", [](SceneSpec& s) { s.kinds = {.vertex_triangle = true}; }),
       declares("5 % of the vertices, sparse", nothing, Send::kFewVertices),
       declares(
