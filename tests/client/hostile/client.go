@@ -78,7 +78,7 @@ func advance(client *collided.Client) error {
 	for i := range target {
 		target[i][2] -= 2
 	}
-	output, err := stream.Detect(ctx, collided.Frame{Advance: true, AdvanceMode: collided.PerVertex,
+	output, err := stream.Detect(ctx, collided.Frame{Advance: true, AdvanceMode: collided.PerVertex, Limits: true,
 		Updates: []collided.Update{{Mesh: 1, Positions: target}}})
 	if err != nil {
 		return err
@@ -86,7 +86,11 @@ func advance(client *collided.Client) error {
 	if err := collided.MoveEachAlong(x, target, output.Shortened.Of(3, len(x))); err != nil {
 		return err
 	}
-	done, shortened := output.Done, output.Shortened
+	done, shortened, limits := output.Done, output.Shortened, output.Limits
+	limited := fmt.Sprint(limits.VertexTriangle.Elements, limits.VertexTriangle.TOI, limits.EdgeEdge.Elements, limits.EdgeEdge.TOI)
+	if limited != "[[3 0]] [0.5] [[0 3]] [0.75]" {
+		return errors.New(limited)
+	}
 	has := fmt.Sprint(done.GetAdvanced(), done.GetWay(), shortened.IDs, shortened.Fractions, x[0][2], x[1][2], x[2][2])
 	if has != "0.25 0.75 [3 4] [0.25 0.5] 0.5 8 7" {
 		return errors.New(has)

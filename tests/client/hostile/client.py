@@ -36,9 +36,11 @@ def advance(client):
     with collided.Session(meshes(), server=client, transport="grpc", reconnect_seconds=SECONDS) as session:
         session.step({"floor": FLOOR, "tip": TIP})
         target = TIP - np.float32([0, 0, 2])
-        contacts = session.step({"tip": target}, advance="per_vertex")
+        contacts = session.step({"tip": target}, advance="per_vertex", limits=True)
         assert (contacts.advanced, contacts.way) == (0.25, 0.75)
         assert (contacts.shortened.ids.tolist(), contacts.shortened.fractions.tolist()) == ([3, 4], [0.25, 0.5])
+        limits = contacts.limits
+        assert (limits.elements.tolist(), limits.toi.tolist(), limits.meshes.tolist()) == ([[3, 0], [0, 3]], [0.5, 0.75], [[1, 0], [0, 1]])
         gone = collided.move_along(TIP, target, contacts.fractions("tip"))
         assert gone[:, 2].tolist() == session.positions["tip"][:, 2].tolist() == [0.5, 8, 7]
 

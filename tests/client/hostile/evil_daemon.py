@@ -34,6 +34,12 @@ def hit(**changes):
         "weights": unpacked(2, 0.25, 0.25, kind="d"), "normals": unpacked(3, 0, 0, 1, kind="f"), "flags": b"\1", **changes})
 
 
+def edge_hit(**changes):
+    """Edges 0 and 3, as a chunk of one."""
+    changes = {"kind": contact_pb2.CONTACT_KIND_EDGE_EDGE, "elements": unpacked(2, 0, 3), "stencils": unpacked(4, 0, 1, 3, 4), **changes}
+    return hit(**changes)
+
+
 def answer(frame_id, chunk=None, **changes):
     done = frame_pb2.FrameDone(**{"contact_count": 1, "earliest_toi": 0.5, "any_contact": True, **changes})
     done.contacts.append(chunk or hit())
@@ -45,9 +51,10 @@ def mesh_page(first, **changes):
 
 
 class Honest:
-    """Behaves well. scenarios: the names of what a client does with it. expected: the codes with which that may end."""
+    """Behaves well. scenarios: the names of what a client does with it. expected: the codes with which that may end. says: what the
+    error's message has."""
 
-    scenarios, expected = ("stream", "session", "call", "watch", "mesh", "list"), {"ok"}
+    scenarios, expected, says = ("stream", "session", "call", "watch", "mesh", "list"), {"ok"}, ""
 
     def __init_subclass__(cls):
         if not cls.__name__.startswith("Of"):  # what several have in common
@@ -171,6 +178,11 @@ class WayThatIsNone(OfStream):
 
 class ShortenedWithoutAdvance(OfStream):
     changes = {"shortened": frame_pb2.ShortenedWays(ids=unpacked(1, 3), fractions=unpacked(1, 0.5, kind="d"))}
+
+
+class LimitsThatNobodyAskedFor(OfStream):
+    says = "limits"
+    changes = {"advanced": 0.5, "limits": [hit()]}
 
 
 class SharedWithoutMemory(OfStream):
@@ -415,13 +427,15 @@ class NoInfo(OfWaits):
 
 
 class OfAdvances(Honest):
-    """Answers a frame that advances per vertex. ways: what each message says was shortened; the last one is `done`."""
+    """Answers a frame that advances per vertex and asks for limits. ways: what each message says was shortened. limits: what each
+    message says limits the way. The last ones are in `done`."""
 
     scenarios, expected = ("advance",), {LOST}
     ways = (((3, 0.25),), ((4, 0.5),))
+    limits = (hit(), edge_hit(toi=unpacked(1, 0.75, kind="d")))
 
     def info(self, info):
-        info.features.extend(("collided.v1.Frame.advance_mode", "collided.v1.ADVANCE_MODE_PER_VERTEX"))
+        info.features.extend(f"collided.v1.{name}" for name in ("Frame.advance_mode", "ADVANCE_MODE_PER_VERTEX", "Frame.limits"))
         return info
 
     def frame(self, frame_id):
@@ -430,7 +444,9 @@ class OfAdvances(Honest):
         *messages, last = map(self.shortened, self.ways)
         for message in messages:
             yield api.StreamFramesResponse(frame_id=frame_id, shortened=message)
-        yield answer(frame_id, advanced=0.25, way=0.75, shortened=last)
+        for message in self.limits[:-1]:
+            yield api.StreamFramesResponse(frame_id=frame_id, limits=message)
+        yield answer(frame_id, advanced=0.25, way=0.75, shortened=last, limits=self.limits[-1:])
 
     def shortened(self, ways):
         ids, fractions = zip(*ways)
@@ -449,6 +465,14 @@ class AdvanceOfAnOlderDaemon(OfAdvances):
     expected = {"UNIMPLEMENTED"}
 
     def info(self, info):
+        return info
+
+
+class LimitsOfAnOlderDaemon(AdvanceOfAnOlderDaemon):
+    says = "frame.limits"
+
+    def info(self, info):
+        info.features.extend(("collided.v1.Frame.advance_mode", "collided.v1.ADVANCE_MODE_PER_VERTEX"))
         return info
 
 
@@ -471,6 +495,63 @@ class ShortenedByWhatIsNone(OfAdvances):
 class ShortenedWithoutFractions(OfAdvances):
     def shortened(self, ways):
         return frame_pb2.ShortenedWays(ids=super().shortened(ways).ids)
+
+
+class LimitsOfHugeCount(OfAdvances):
+    says = "limits."
+    limits = (hit(), edge_hit(count=MOST))
+
+
+class LimitsOfNoCount(OfAdvances):
+    says = "limits.count"
+    limits = (hit(), edge_hit(count=0))
+
+
+class LimitsWithoutNormals(OfAdvances):
+    """Limits have every array."""
+
+    says = "limits.normals"
+    limits = (hit(), edge_hit(normals=b""))
+
+
+class LimitsWithoutFlags(OfAdvances):
+    says = "limits.flags"
+    limits = (hit(flags=b""), edge_hit())
+
+
+class LimitsOfShortWeights(OfAdvances):
+    says = "limits.weights"
+    limits = (hit(weights=bytes(8)), edge_hit())
+
+
+class LimitsOfTriangles(OfAdvances):
+    says = "limits.kind"
+    limits = (hit(), edge_hit(kind=contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, elements=unpacked(2, 0, 1)))
+
+
+class LimitsOfUnknownKind(OfAdvances):
+    says = "limits.kind"
+    limits = (hit(kind=77), edge_hit())
+
+
+class LimitsOfUnknownVertex(OfAdvances):
+    says = "limits.stencils"
+    limits = (hit(stencils=unpacked(4, 3, 0, 1, MOST)), edge_hit())
+
+
+class LimitsOfUnknownEdge(OfAdvances):
+    says = "limits.elements"
+    limits = (hit(), edge_hit(elements=unpacked(2, 0, 6)))
+
+
+class LimitsAtATimeThatIsNone(OfAdvances):
+    says = "limits.toi"
+    limits = (hit(toi=unpacked(1, float("nan"), kind="d")), edge_hit())
+
+
+class LimitsAtADistanceThatIsNone(OfAdvances):
+    says = "limits.distance"
+    limits = (hit(distance=unpacked(1, -1.0, kind="d")), edge_hit())
 
 
 # Pages.
@@ -541,6 +622,16 @@ class WatchOfHugeCount(WatchOfAnotherType):
     def watch(self, scene, is_active):
         yield api.WatchSceneResponse(opened=api.WatchOpened(scene=scene))
         yield api.WatchSceneResponse(frame_id=1, done=answer(1, hit(**self.chunk)).done)
+
+
+class WatchOfLimits(WatchOfAnotherType):
+    """Watchers are shown none."""
+
+    says = "limits"
+
+    def watch(self, scene, is_active):
+        yield api.WatchSceneResponse(opened=api.WatchOpened(scene=scene))
+        yield api.WatchSceneResponse(frame_id=1, done=answer(1, advanced=0.5, limits=[hit()]).done)
 
 
 class WatchOfUnknownVertex(WatchOfHugeCount):

@@ -89,6 +89,7 @@ class Hostile(unittest.TestCase):
         for (name, scenario), (code, seconds, message) in answers.items():
             with self.subTest(behaviour=name, scenario=scenario):
                 self.assertIn(code, BEHAVIOURS[name].expected, message)
+                self.assertIn(BEHAVIOURS[name].says, message)
                 self.assertLess(seconds, MOST_SECONDS, message)
         self.assertLess(1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, MOST_BYTES)
 
