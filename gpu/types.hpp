@@ -238,6 +238,10 @@ struct ShortenedWays {
   std::vector<double> fractions;  ///< of each, in [0, 1)
 };
 
+/// What each pair that limits a way has (FrameResult::limits), whatever SceneSpec::fields says.
+inline constexpr FieldSet kFieldsOfLimits = {ContactField::kElements, ContactField::kToi,     ContactField::kDistance,
+                                             ContactField::kWeights,  ContactField::kNormals, ContactField::kFlags};
+
 /// Room for the positions of one frame on their way to the backend. A scene makes as many as it has frames in flight.
 /// Filling and sending one goes on while another frame is in work; one thread at a time.
 class FrameSlot {
@@ -300,6 +304,7 @@ struct FrameInput {
   /// from kCertified on, of both kinds of features.
   bool advance = false;
   AdvanceMode advance_mode = AdvanceMode::kAllOrOne;  ///< with `advance` alone
+  bool limits = false;                                ///< answer with what limits the way; with `advance` alone
   /// Answer, and leave the scene as it was.
   bool trial = false;
   /// CCD: begin this far along the way of the last frame, in [0, 1], that of a trial too, by the formula of
@@ -383,6 +388,10 @@ struct FrameResult : PerKind<ContactSet> {
   /// 1 if nothing moves. Within 2^-20 of the truth in scenes of up to a million vertices.
   double way = 1;
   ShortenedWays shortened = {};  ///< likewise; empty at kAllOrOne
+  /// Of frames with FrameInput::limits: the pairs of features that the whole way would bring below their floors
+  /// (narrow/floors.hpp), of each kind in canonical order, with all columns, on the host. `distance` is the floor, and
+  /// `toi` the fraction of the whole way at which the pair comes to it, no later than in truth. The same in each mode.
+  PerKind<ContactSet> limits;
   bool any_contact = false;
   WorldResults worlds;             ///< of a set of worlds
   std::vector<ShardFacts> shards;  ///< of a scene in parts. Counts of what was done (cells, tests) are of all together

@@ -25,7 +25,7 @@ struct collided_result {
   FrameResult frame;
   std::byte* room;
   FieldSet fields;
-  PerKind<std::vector<ContactVertices>> stencils;
+  PerKind<std::vector<ContactVertices>> stencils, limit_stencils;
 };
 
 namespace {
@@ -63,6 +63,8 @@ void write_device(const DeviceInfo& device, collided_device_info* to) {
   c::write_structure(to, info, "info");
 }
 
+using Stencils = PerKind<std::vector<ContactVertices>>;
+
 std::vector<ContactVertices> make_stencils(ContactKind kind, const ContactSet& set, const Topology& topology) {
   std::vector<ContactVertices> stencils;
   const FindVertices vertices = stencil_finder(kind);
@@ -70,6 +72,14 @@ std::vector<ContactVertices> make_stencils(ContactKind kind, const ContactSet& s
   stencils.reserve(set.size());
   for (const auto& elements : set.elements) stencils.push_back(vertices(elements, topology));
   return stencils;
+}
+
+Stencils make_stencils(const PerKind<ContactSet>& contacts, const Topology& topology) {
+  Stencils all;
+  for_each_kind([&](ContactKind kind, const ContactSet& set,
+                    std::vector<ContactVertices>& stencils) { stencils = make_stencils(kind, set, topology); },
+                contacts, all);
+  return all;
 }
 
 std::unique_ptr<collided_result> detect(const SceneUse& scene, FrameInput frame) {
@@ -85,12 +95,9 @@ std::unique_ptr<collided_result> detect(const SceneUse& scene, FrameInput frame)
   result->room = frame.room.memory.data();
   result->frame = scene->detector->detect(frame);
   if (!frame.trial) scene->has_frame = true;
-  if (!scene->stencils) return result;
-  for_each_kind(
-      [&](ContactKind kind, const ContactSet& set, std::vector<ContactVertices>& stencils) {
-        stencils = make_stencils(kind, set, scene->detector->topology());
-      },
-      static_cast<const PerKind<ContactSet>&>(result->frame), result->stencils);
+  const Topology& topology = scene->detector->topology();
+  if (scene->stencils) result->stencils = make_stencils(result->frame, topology);
+  result->limit_stencils = make_stencils(result->frame.limits, topology);
   return result;
 }
 
@@ -105,15 +112,21 @@ collided_contacts columns_of(uint64_t count, const PerFields& values, const Find
   return contacts;
 }
 
-collided_contacts contacts_of(const collided_result& result, ContactKind kind) {
-  const ContactSet& set = value_of(static_cast<const PerKind<ContactSet>&>(result.frame), kind);
-  const std::vector<ContactVertices>& stencils = value_of(result.stencils, kind);
+/// On the host, with those of these fields that there are.
+collided_contacts contacts_of(const ContactSet& set, const std::vector<ContactVertices>& stencils, FieldSet fields) {
   const auto find = [&](ContactField field, const auto& column) -> const void* {
-    return column.empty() || !result.fields.has(field) ? nullptr : column.data();
+    return column.empty() || !fields.has(field) ? nullptr : column.data();
   };
   collided_contacts contacts = columns_of(set.size(), set, find);
   contacts.stencils = stencils.empty() ? nullptr : stencils.front().data();
   return contacts;
+}
+collided_contacts contacts_of(const collided_result& result, ContactKind kind) {
+  const ContactSet& set = value_of(static_cast<const PerKind<ContactSet>&>(result.frame), kind);
+  return contacts_of(set, value_of(result.stencils, kind), result.fields);
+}
+collided_contacts limits_of(const collided_result& result, ContactKind kind) {
+  return contacts_of(value_of(result.frame.limits, kind), value_of(result.limit_stencils, kind), kFieldsOfLimits);
 }
 
 collided_contacts contacts_in_room_of(const collided_result& result, ContactKind kind) {
@@ -293,6 +306,13 @@ collided_status collided_result_contacts_in_room(const collided_result* result, 
   return c::guarded([&] {
     c::required(result, "result");
     c::write_structure(contacts, contacts_in_room_of(*result, parse_kind(kind)), "contacts");
+  });
+}
+
+collided_status collided_result_limits(const collided_result* result, int32_t kind, collided_contacts* limits) {
+  return c::guarded([&] {
+    c::required(result, "result");
+    c::write_structure(limits, limits_of(*result, parse_kind(kind)), "limits");
   });
 }
 

@@ -194,7 +194,6 @@ Spec parse_spec(const collided_scene_spec* pointer) {
 
 FrameInput parse_frame(const collided_frame* pointer) {
   const collided_frame from = read_structure(pointer, "frame");
-  check_reserved(from.reserved, "reserved");
   FrameInput frame;
   check_array(from.updates, from.update_count, "updates", "update_count");
   for (uint64_t i = 0; i < from.update_count; ++i)
@@ -206,6 +205,7 @@ FrameInput parse_frame(const collided_frame* pointer) {
   frame.ignore_separating = from.ignore_separating != 0;
   frame.advance = from.advance != 0;
   frame.advance_mode = parse_advance_mode(from);
+  frame.limits = from.limits != 0;
   frame.trial = from.trial != 0;
   frame.delta = optional_of(from.delta);
   frame.start_fraction = optional_of(from.start_fraction);

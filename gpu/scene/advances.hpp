@@ -42,6 +42,8 @@ class Advances {
     });
     StageRange own_search;
     FrameResult result = find_pairs(boxes_static, frame, settings, own_search);
+    if (shard_ != nullptr) join_starts();
+    if (frame.limits) result.limits = pipeline_.limits(frame.bytes_beside_contact);
     const WaysGone gone = go(frame.advance_mode);
     tell_shortened(frame.advance_mode, result.shortened);
     result.advanced = detail::bit_copy<double>(gone.least_bits);
@@ -143,7 +145,6 @@ class Advances {
 
   /// Goes as far as all pairs keep their floors. Returns what that came to.
   WaysGone go(AdvanceMode mode) {
-    if (shard_ != nullptr) join_starts();
     if (!any_failed()) return GoneOfWay<Real>::nothing();
     const bool need_host = shard_ != nullptr || positions_.has_rigid();
     if (!need_host)

@@ -19,10 +19,10 @@ struct CheckedFrame {
 
 /// Returns all that check_frame() depends on. Each member of a frame is named, or this does not compile.
 inline auto options_of(const FrameInput& frame) {
-  const auto& [updates, slot, edit, mode, accuracy, delta, report, ignore_separating, advance, advance_mode, trial,
-               start_fraction, cancelled, progress, bytes_beside_contact, room, stream] = frame;
-  return std::tuple(mode, accuracy, delta, report, ignore_separating, advance, advance_mode, trial, start_fraction,
-                    edit != nullptr, slot != nullptr, stream != nullptr, room.memory.empty(),
+  const auto& [updates, slot, edit, mode, accuracy, delta, report, ignore_separating, advance, advance_mode, limits,
+               trial, start_fraction, cancelled, progress, bytes_beside_contact, room, stream] = frame;
+  return std::tuple(mode, accuracy, delta, report, ignore_separating, advance, advance_mode, limits, trial,
+                    start_fraction, edit != nullptr, slot != nullptr, stream != nullptr, room.memory.empty(),
                     reinterpret_cast<uintptr_t>(room.memory.data()) % ContactRoom::kAlignment);
 }
 

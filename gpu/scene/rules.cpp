@@ -188,6 +188,7 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   if (frame.advance) check_advance(spec, settings);
   if (!frame.advance && frame.advance_mode != AdvanceMode::kAllOrOne)
     throw InvalidInput("advance_mode", "advance_mode is given, but advance is off");
+  if (!frame.advance && frame.limits) throw InvalidInput("limits", "limits is on, but advance is off");
   if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
   if (frame.edit) check_edit(frame);
   check_room(frame.room);

@@ -152,6 +152,28 @@ struct ContactBuffers {
   Buffer<ContactData<Real>, Exec> data;
 };
 
+/// Pairs that limit the ways of a frame, as contacts: as they were found, and in canonical order. Frames that ask for
+/// them have them.
+template <Executor Exec>
+struct LimitBuffers {
+  explicit LimitBuffers(Exec& exec)
+      : keys(exec, "advance"), data(exec, "advance"), normals(exec, "advance"), columns(exec), order(exec) {}
+
+  void reserve(uint64_t count, const OrderPlan& plan, const IdCounts& ids) {
+    keys.ensure(count);
+    data.ensure(count);
+    normals.ensure(count);
+    columns.reserve(keys.capacity(), kFieldsOfLimits);
+    reserve_order<Exec>(order, plan, ids, keys.capacity(), true);
+  }
+
+  Buffer<uint64_t, Exec> keys;
+  Buffer<ContactData<double>, Exec> data;  ///< precise whatever the positions are
+  Buffer<Normal, Exec> normals;
+  ColumnBuffers<Exec> columns;
+  OrderBuffers<Exec> order;
+};
+
 /// Of meshes that move as a whole.
 template <Executor Exec, class Real>
 struct RigidBuffers {
@@ -225,6 +247,7 @@ struct WorkBuffers {
         candidates(make_per_kind<CandidateBuffers<Exec>>(exec)),
         blocking(make_per_kind<BlockingPairs<Exec>>(exec)),
         ways(exec),
+        limits(exec),
         contacts(exec),
         earliest(exec),
         normals(exec, "contacts"),
@@ -245,6 +268,7 @@ struct WorkBuffers {
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   std::array<BlockingPairs<Exec>, kFeatureKinds> blocking;       ///< likewise; frames that advance
   FractionBuffers<Exec> ways;                                    ///< frames that advance
+  LimitBuffers<Exec> limits;                                     ///< frames that ask for them
   ContactBuffers<Exec, Real> contacts;
   ContactBuffers<Exec, Real> earliest;  ///< EARLIEST_ONLY
   Buffer<Normal, Exec> normals;         ///< of the contacts as they were found

@@ -6,6 +6,7 @@
 #include "gpu/exact/fixed/decide.hpp"
 #include "gpu/exact/fixed/parting.hpp"
 #include "gpu/narrow/gather.hpp"
+#include "gpu/narrow/limits.hpp"
 #include "gpu/narrow/shortening.hpp"
 #include "gpu/search/excluded_pairs.hpp"
 #include "gpu/state/level_needs.hpp"
@@ -147,6 +148,33 @@ struct JudgePairs {
   COLLIDED_HD bool has_changed(uint32_t v) const {
     const uint32_t group = ways.group_of[v];
     return group != kStands && changed_in[group] == *round + 1;
+  }
+};
+
+/// Pairs that limit the ways, as contacts of a list that has room for all of them.
+struct LimitList {
+  Span<uint64_t> keys;  ///< with the ranks of first features
+  Span<ContactData<double>> data;
+  Span<Normal> normals;
+};
+
+/// Writes the failed pairs of a kind to a list of limits, from place `first` on. All vertices go all of their ways.
+template <class Real, class Kind>
+struct MeasureLimits {
+  WaysOfPairs<Real, Kind> ways;
+  Span<const uint64_t> failed;
+  uint32_t first_rank;  ///< of the kind's first features
+  uint64_t first;
+  LimitList limits;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const uint64_t pair = failed[i], place = first + i;
+    const Stencil s = ways.stencil(pair);
+    const FeaturePoints<Real> way = ways.way(s);
+    const ContactData<double> limit = limit_of<Kind>(way, ways.floors(pair, s), ways.turn(s));
+    limits.keys[place] = ways.pairs[pair] + (uint64_t{first_rank} << 32);
+    limits.data[place] = limit;
+    limits.normals[place] = contact_normal<Kind>(way, limit.toi, kClear);
   }
 };
 

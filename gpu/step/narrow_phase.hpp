@@ -29,6 +29,10 @@ class NarrowPhase {
       : exec_(exec), ranks_(ranks), scene_(scene) {}
 
   const FeatureRanks& ranks() const { return ranks_; }
+  /// Second features are triangles, or of the same kind as the first.
+  IdCounts id_counts() const {
+    return {ranks_.count(), max(uint64_t{ranks_.most_of_a_kind()}, scene_.topology.triangle_count())};
+  }
   /// Whether some elements of the scene are no triangles.
   void expect_loose_elements(bool are_there) { has_loose_elements_ = are_there; }
 
@@ -152,10 +156,6 @@ class NarrowPhase {
 
  private:
   const LevelNeeds& needs() const { return plan_.needs; }
-  /// Second features are triangles, or of the same kind as the first.
-  IdCounts id_counts() const {
-    return {ranks_.count(), max(uint64_t{ranks_.most_of_a_kind()}, scene_.topology.triangle_count())};
-  }
   static Counted counted(const AppendList<uint64_t>& list) {
     return {list.count, list.items.size(), list.most_in_vain()};
   }

@@ -81,6 +81,16 @@ class Pipeline {
   /// Returns what the step has found, with the rounds that were run since.
   const StepState& found() const { return run_.found(); }
   void look_at_rounds() { run_.found() = run_.peek(); }
+  /// Brings the pairs that have failed to the host as contacts, before the first round. `bytes_beside_contact`: as in
+  /// FrameInput.
+  PerKind<ContactSet> limits(uint64_t bytes_beside_contact) {
+    const RoundCounts failed = found().round;
+    if (failed.count_failed() == 0) return {};
+    shorten_by_parts([&](ShortenPhase<Exec, Real>& shorten) {
+      exec_.stage("advance", [&] { shorten.list_limits(failed.failed, ranks_, narrow_.id_counts()); });
+    });
+    return results_.limits(found().kinds, failed.count_failed(), bytes_beside_contact);
+  }
   /// Runs rounds(shorten) as a step of its own, in one piece if it can. Rounds of one `kind` (below 256) put the same
   /// work in line, after steps of equal plans.
   template <class Rounds>

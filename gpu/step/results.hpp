@@ -60,6 +60,20 @@ class Results {
   /// Bytes of the host that are held for answers.
   uint64_t answer_bytes() const { return room_->bytes(); }
 
+  /// Brings `count` pairs that limit the ways, which lie in the scene's buffers in canonical order, to the host.
+  PerKind<ContactSet> limits(const KindBegins& kinds, uint64_t count, uint64_t bytes_beside_contact) {
+    const ColumnsOnHost host =
+        bring(scene_.limits.columns.columns(kFieldsOfLimits), 0, count, count * bytes_beside_contact);
+    exec_.wait();
+    PerKind<ContactSet> limits;
+    for_each_kind(
+        [&](ContactKind kind, ContactSet& set) {
+          set = host.contacts(kinds.at[index_of(kind)], end_of(kind, kinds, count), kFieldsOfLimits);
+        },
+        limits);
+    return limits;
+  }
+
   void collect(const StepState& step, const LevelNeeds& needs, const HostNeeds& host, FrameResult& result) {
     needs_ = needs;
     host_ = host;
@@ -82,7 +96,7 @@ class Results {
   /// Contacts [begin, end) of the list.
   void download(uint64_t begin, uint64_t end, const KindBegins& kinds) {
     if (begin == end) return;
-    const ColumnsOnHost host = bring(begin, end, (end - begin) * host_.bytes_beside_contact);
+    const ColumnsOnHost host = bring(columns(), begin, end, (end - begin) * host_.bytes_beside_contact);
     exec_.wait();
     result_->held = host.memory();
     for_each_kind(
@@ -92,9 +106,11 @@ class Results {
         },
         contacts());
   }
+  /// Returns those of the step.
+  ContactColumns columns() const { return scene_.columns.columns(needs_.columns()); }
   /// They are there after wait(). `beside`: as AnswerRoom has it.
-  ColumnsOnHost bring(uint64_t begin, uint64_t end, uint64_t beside) {
-    ColumnsOnHost host(scene_.columns.columns(needs_.columns()), begin, end);
+  ColumnsOnHost bring(const ContactColumns& columns, uint64_t begin, uint64_t end, uint64_t beside) {
+    ColumnsOnHost host(columns, begin, end);
     host.take(*room_, beside);
     host.for_each([&](std::byte* to, const void* from, uint64_t bytes) { exec_.download_async(to, from, bytes); });
     return host;
@@ -133,7 +149,7 @@ class Results {
           const uint64_t begin = std::min(kinds.at[index_of(kind)], listed),
                          all = std::min(end_of(kind, kinds, listed), listed) - begin,
                          end = begin + std::min(all, host_.first);
-          if (begin < end) set = bring(begin, end, 0).contacts(begin, end, needs_.fields_of(kind));
+          if (begin < end) set = bring(columns(), begin, end, 0).contacts(begin, end, needs_.fields_of(kind));
         },
         result_->first);
     exec_.wait();

@@ -83,6 +83,27 @@ class ShortenPhase {
     judge(nullptr);
   }
 
+  /// Puts the pairs that have failed into `limits`, as contacts in canonical order, before the first round. `failed`:
+  /// how many there are of each kind, as the host knows. `ids`: of the scene's features.
+  void list_limits(const uint64_t (&failed)[kFeatureKinds], const FeatureRanks& ranks, const IdCounts& ids) {
+    LimitBuffers<Exec>& limits = scene_.limits;
+    const uint64_t count = failed[0] + failed[1];
+    const OrderPlan plan{count > kFewContacts, 0};
+    limits.reserve(count, plan, ids);
+    const LimitList list{limits.keys.all(), limits.data.all(), limits.normals.all()};
+    side_by_side([&]<class Kind>(int k, const Kind& kind) {
+      exec_.for_each("measure_limits", failed[k],
+                     MeasureLimits<Real, Kind>{ways_of(kind), scene_.blocking[k].failed.all(), ranks.begin[k],
+                                               k == 0 ? 0 : failed[0], list});
+    });
+    exec_.fill_zero(&state()->kinds, sizeof(KindBegins));
+    exec_.fill_zero(&state()->crowded_ranks, sizeof(uint64_t));
+    const WriteContact<double> write{list.data, list.normals, ranks, limits.columns.columns(kFieldsOfLimits)};
+    put_in_order(exec_, limits.order,
+                 Unordered<WriteContact<double>>{{nullptr, count}, list.keys, ranks, &state()->kinds, write}, plan, ids,
+                 &state()->crowded_ranks);
+  }
+
   // Rounds. Positions are those that the fractions lead to.
   /// 1 on the backend after a round: another one follows that needs nothing of the host.
   const uint64_t* goes_on() const { return &state()->round.goes_on; }

@@ -760,9 +760,10 @@ type FrameDone struct {
 	Shortened *ShortenedWays `protobuf:"bytes,9,opt,name=shortened,proto3" json:"shortened,omitempty"`
 	// The last of the contacts that limit the way, in canonical order, after those sent in separate messages: all of them where
 	// they are few, and in DetectFrameResponse. They are the pairs of features that the whole way would bring nearer than they
-	// may come. Whatever `fields` says, each has elements, stencils, toi, distance, weights, normals and flags: `distance` is
-	// the least that the pair keeps, and `toi` the fraction of the whole way at which it comes to that, no later than in truth;
-	// weights and normals are those of `toi`. Empty unless Frame.limits, and in WatchSceneResponse.
+	// may come, or that are not certain to stay that far apart. Whatever `fields` says, each has elements, stencils, toi,
+	// distance, weights, normals and flags: `distance` is the least that the pair keeps, and `toi` the fraction of the whole
+	// way at which it comes to that, no later than in truth; weights and normals are those of `toi`. All modes have the same.
+	// Empty unless Frame.limits, and in WatchSceneResponse.
 	Limits []*ContactChunk `protobuf:"bytes,10,rep,name=limits,proto3" json:"limits,omitempty"`
 }
 

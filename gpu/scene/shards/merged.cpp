@@ -14,10 +14,6 @@ constexpr uint64_t kAlignment = 64;
 
 uint64_t key_at(const ContactSet& set, size_t i) { return pack_ids(set.elements[i][0], set.elements[i][1]); }
 
-const ContactSet& set_of(const FrameResult& shard, ContactKind kind) {
-  return value_of(static_cast<const PerKind<ContactSet>&>(shard), kind);
-}
-
 /// A stage that runs several times counts with its sum; of several shards, with the slowest one's.
 std::vector<StageTime> slowest_stages(const std::vector<FrameResult>& shards) {
   std::vector<StageTime> all;
@@ -121,10 +117,11 @@ void MergedContacts::place(size_t shard, ContactKind kind, ContactSet& to) const
   }
 }
 
-void MergedContacts::move_to(FrameResult& result) {
-  static_cast<PerKind<ContactSet>&>(result) = std::move(contacts_);
-  result.held = std::move(memory_);
+std::shared_ptr<const void> MergedContacts::move_to(PerKind<ContactSet>& contacts) {
+  contacts = std::move(contacts_);
+  std::shared_ptr<const void> memory = std::move(memory_);
   clear();
+  return memory;
 }
 
 FrameResult merged_facts(const std::vector<FrameResult>& shards, Report report) {

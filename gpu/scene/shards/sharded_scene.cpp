@@ -144,9 +144,10 @@ class ShardedScene final : public Detector {
     results_[k] = std::move(result);
     meeting_.meet({}, asks);
     const WorkTime time(asks);
-    if (k == 0) contacts_.take(*room_, frame_->bytes_beside_contact);
+    if (k == 0)
+      for (MergedContacts* merged : {&contacts_, &limits_}) merged->take(*room_, frame_->bytes_beside_contact);
     meeting_.meet({}, asks);
-    contacts_.place(k);
+    for (const MergedContacts* merged : {&contacts_, &limits_}) merged->place(k);
     meeting_.meet({}, asks);
     if (k == 0) results_[0].stages.push_back({"merge", time.milliseconds()});
   }
@@ -156,7 +157,8 @@ class ShardedScene final : public Detector {
     for (size_t k = 0; k < shards_.size(); ++k)
       result.shards.push_back(
           {balance_.size(k), results_[k].step_milliseconds, results_[k].counts.pairs, count_contacts(results_[k])});
-    contacts_.move_to(result);
+    result.held = contacts_.move_to(result);
+    limits_.move_to(result.limits);
     if (report == Report::kEarliestOnly) keep_earliest(loops_, result);
     return result;
   }
@@ -164,6 +166,7 @@ class ShardedScene final : public Detector {
   void forget_answers() {
     for (FrameResult& shard : results_) shard = {};
     contacts_.clear();
+    limits_.clear();
   }
 
   /// From frames that were nothing but a step.
@@ -185,7 +188,8 @@ class ShardedScene final : public Detector {
   std::vector<ShardOf> links_;
   std::vector<std::unique_ptr<Detector>> shards_;
   std::vector<FrameResult> results_;  ///< of each shard
-  MergedContacts contacts_{results_};
+  MergedContacts contacts_{results_, [](const FrameResult& shard) -> const PerKind<ContactSet>& { return shard; }};
+  MergedContacts limits_{results_, [](const FrameResult& shard) -> const PerKind<ContactSet>& { return shard.limits; }};
   const FrameInput* frame_ = nullptr;  ///< in work
   CpuLoops loops_{1};
   Crew crew_;

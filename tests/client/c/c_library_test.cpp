@@ -24,12 +24,10 @@ void expect_same(const Number* numbers, const Column<T>& column, Judge& judge) {
   EXPECT_EQ(std::memcmp(numbers, column.data(), column.size() * sizeof(T)), 0);
 }
 
-void compare(void* context, size_t frame, int32_t kind, const collided_contacts* contacts) {
-  Judge& judge = *static_cast<Judge*>(context);
-  const FrameResult& result = judge.results.at(frame);
-  const ContactSet& set = kind == COLLIDED_VERTEX_TRIANGLE ? result.vertex_triangle
-                          : kind == COLLIDED_EDGE_EDGE     ? result.edge_edge
-                                                           : result.triangle_triangle;
+void compare(const PerKind<ContactSet>& expected, int32_t kind, const collided_contacts* contacts, Judge& judge) {
+  const ContactSet& set = kind == COLLIDED_VERTEX_TRIANGLE ? expected.vertex_triangle
+                          : kind == COLLIDED_EDGE_EDGE     ? expected.edge_edge
+                                                           : expected.triangle_triangle;
   ASSERT_EQ(contacts->count, set.size());
   judge.contacts += contacts->count;
   expect_same(contacts->elements, set.elements, judge);
@@ -51,6 +49,11 @@ void compare(void* context, size_t frame, int32_t kind, const collided_contacts*
   }
 }
 
+void compare_frame(void* context, size_t frame, int32_t kind, const collided_contacts* contacts) {
+  Judge& judge = *static_cast<Judge*>(context);
+  compare(judge.results.at(frame), kind, contacts, judge);
+}
+
 class SameAsEngine : public testing::TestWithParam<CaseOfFrames> {};
 
 TEST_P(SameAsEngine, InEveryFrame) {
@@ -59,7 +62,7 @@ TEST_P(SameAsEngine, InEveryFrame) {
   const auto engine = Detector::create(scene.engine());
   judge.topology = engine->topology();
   for (size_t i = 0; i < Scene::kFrames; ++i) judge.results.push_back(engine->detect(scene.engine_frame(i)));
-  ASSERT_EQ(run_frames(&scene.spec, scene.frames.data(), scene.frames.size(), compare, &judge), COLLIDED_OK)
+  ASSERT_EQ(run_frames(&scene.spec, scene.frames.data(), scene.frames.size(), compare_frame, &judge), COLLIDED_OK)
       << collided_error_message();
   EXPECT_GT(judge.contacts, 20u);
   EXPECT_GT(judge.columns, 2u);
@@ -103,6 +106,7 @@ TEST_F(CLibrary, StructuresKeepTheirLayout) {
   EXPECT_EQ(offsetof(collided_frame, delta), 48u);
   EXPECT_EQ(offsetof(collided_frame, room_bytes), 96u);
   EXPECT_EQ(offsetof(collided_frame, advance_mode), 104u);
+  EXPECT_EQ(offsetof(collided_frame, limits), 108u);
   EXPECT_EQ(sizeof(collided_contacts), 72u);
   EXPECT_EQ(sizeof(collided_facts), 232u);
   EXPECT_EQ(offsetof(collided_facts, contacts), 176u);
@@ -187,12 +191,46 @@ TEST_F(CLibrary, AnAdvanceTellsHowFarTheEngineWent) {
   }
 }
 
+TEST_F(CLibrary, LimitsAreTheEnginesWithAllColumns) {
+  scene.spec.fields = COLLIDED_FIELDS_ELEMENTS;
+  create();
+  collided_result *first = nullptr, *result = nullptr;
+  ASSERT_EQ(detect(0, &first), COLLIDED_OK);
+  collided_frame frame = scene.frames[1];
+  frame.advance = 1, frame.limits = 1;
+  ASSERT_EQ(collided_detect(made, &frame, &result), COLLIDED_OK) << collided_error_message();
+
+  Judge judge;
+  const auto engine = Detector::create(scene.engine());
+  judge.topology = engine->topology();
+  engine->detect(scene.engine_frame(0));
+  FrameInput input = scene.engine_frame(1);
+  input.advance = input.limits = true;
+  const FrameResult expected = engine->detect(input);
+  for (int32_t kind = COLLIDED_VERTEX_TRIANGLE; kind <= COLLIDED_TRIANGLE_TRIANGLE; ++kind) {
+    collided_contacts limits = {};
+    limits.struct_size = sizeof(limits);
+    ASSERT_EQ(collided_result_limits(result, kind, &limits), COLLIDED_OK) << collided_error_message();
+    compare(expected.limits, kind, &limits, judge);
+    ASSERT_EQ(collided_result_limits(first, kind, &limits), COLLIDED_OK) << "a frame that does not ask for them";
+    EXPECT_EQ(limits.count, 0u);
+  }
+  EXPECT_GT(judge.contacts, 20u);
+  EXPECT_EQ(judge.columns, 12u) << "six of vertex-triangle and six of edge-edge pairs";
+  collided_contacts limits = {};
+  limits.struct_size = sizeof(limits);
+  EXPECT_EQ(collided_result_limits(result, 4, &limits), COLLIDED_INVALID_ARGUMENT);
+  EXPECT_STREQ(collided_error_field(), "kind");
+  collided_result_free(first);
+  collided_result_free(result);
+}
+
 // A program that was compiled before there were modes.
 TEST_F(CLibrary, StructuresOfTheFirstVersionAreUsedAsTheyWere) {
   create();
   collided_frame frame = scene.frames[0];
   frame.struct_size = offsetof(collided_frame, advance_mode);
-  frame.advance_mode = 77, frame.reserved = 77;  // beyond its end
+  frame.advance_mode = 77, frame.limits = 77;  // beyond its end
   collided_result* result = nullptr;
   ASSERT_EQ(collided_detect(made, &frame, &result), COLLIDED_OK) << collided_error_message();
   collided_facts facts = {};

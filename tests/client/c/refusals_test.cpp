@@ -140,6 +140,7 @@ TEST(CLibraryRefusals, FramesWithTheirFieldAndTheSceneStays) {
       {"advance_mode", [](auto& f, auto*) { f.advance_mode = COLLIDED_ADVANCE_PER_MESH; }},
       {"advance_mode", [](auto& f, auto*) { f.advance = 1, f.advance_mode = 4; }},
       {"advance_mode", [](auto& f, auto*) { f.advance = 1, f.advance_mode = -1; }},
+      {"limits", [](auto& f, auto*) { f.limits = 1; }},
       {"stream", [](auto& f, auto*) { f.stream = &f; }},  // of a scene on CPU cores
       {"room", [](auto& f, auto*) { f.room_bytes = 64; }},
       {"room_bytes", [&](auto& f, auto*) { f.room = positions.data(); }},

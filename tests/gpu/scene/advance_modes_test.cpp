@@ -3,52 +3,18 @@
 
 #include <cstring>
 
-#include "tests/gpu/narrow/serial_steps.hpp"
-#include "tests/gpu/narrow/step_scenes.hpp"
 #include "tests/gpu/refused_field.hpp"
+#include "tests/gpu/scene/step_cases.hpp"
 #include "tests/gpu/shards/one_and_shards.hpp"
-#include "tests/support/case.hpp"
 #include "tests/support/digest.hpp"
 
 namespace collided::test {
 namespace {
 
-constexpr AdvanceMode kModes[] = {AdvanceMode::kAllOrOne, AdvanceMode::kPerMesh, AdvanceMode::kPerVertex};
-
 FractionOf fraction_of(AdvanceMode mode) {
   return mode == AdvanceMode::kPerVertex ? FractionOf::kVertex
          : mode == AdvanceMode::kPerMesh ? FractionOf::kMesh
                                          : FractionOf::kScene;
-}
-
-/// The scene on its way from x to p.
-Case case_of(const StepScene& scene, const std::vector<Vec3d>& x, const std::vector<Vec3d>& p) {
-  Case c;
-  uint32_t first = 0;
-  for (uint32_t mesh = 0; mesh < scene.is_static.size(); ++mesh) {
-    uint32_t end = first;
-    while (end < scene.mesh.size() && scene.mesh[end] == mesh) ++end;
-    std::vector<std::array<uint32_t, 3>> triangles;
-    std::vector<std::array<uint32_t, 2>> edges;
-    std::vector<uint32_t> points;
-    for (const auto& t : scene.triangles) {
-      if (t[0] < first || t[0] >= end) continue;
-      const uint32_t a = t[0] - first, b = t[1] - first, d = t[2] - first;
-      if (b != d)
-        triangles.push_back({a, b, d});
-      else if (a != b)
-        edges.push_back({a, b});
-      else
-        points.push_back(a);
-    }
-    const auto of_mesh = [&](const std::vector<Vec3d>& all) {
-      return Positions(all.begin() + first, all.begin() + end);
-    };
-    add_mesh(c, std::move(triangles), of_mesh(x), of_mesh(p), scene.is_static[mesh]);
-    c.meshes.back().edges = std::move(edges), c.meshes.back().points = std::move(points);
-    first = end;
-  }
-  return c;
 }
 
 class AdvanceModes : public OnBackend<::testing::Test> {
@@ -102,17 +68,6 @@ class AdvanceModes : public OnBackend<::testing::Test> {
     EXPECT_EQ(result.shortened.fractions, fractions);
   }
 };
-
-/// Touching, too near, resting or apart.
-StepScene placed_scene(uint64_t seed, double least_exponent) {
-  Random random(seed);
-  const double gaps[] = {0, 0.5e-3, 1e-3, std::pow(10.0, random.within(least_exponent, -2))};
-  StepScene scene = any_scene(static_cast<int>(seed % 4), gaps[random.integer(0, 3)]);
-  const Turn turn(random.vector(3));
-  const double offset = random.chance(0.5) ? 0 : 4;
-  for (Vec3d& p : scene.positions) p = plus(turn(p), {offset, 0.7 * offset, 0.3 * offset});
-  return scene;
-}
 
 TEST_F(AdvanceModes, GoWhereTheReferenceGoes) {
   for (uint64_t seed = 1; seed <= 24; ++seed)

@@ -288,7 +288,7 @@ typedef struct collided_frame {
   void* room;
   uint64_t room_bytes;
   int32_t advance_mode; /* with `advance` alone: COLLIDED_ADVANCE_ALL_OR_ONE ... */
-  int32_t reserved;     /* 0 */
+  int32_t limits;       /* with `advance` alone: find what limits the way, for collided_result_limits */
 } collided_frame;
 
 typedef struct collided_result collided_result;
@@ -327,6 +327,13 @@ COLLIDED_API collided_status collided_result_contacts(const collided_result* res
 /* Gives the contacts in collided_frame.room, which come before those on the host; the arrays lie in it. */
 COLLIDED_API collided_status collided_result_contacts_in_room(const collided_result* result, int32_t kind,
                                                               collided_contacts* contacts);
+
+/* Gives the contacts of one kind that limit the way of a frame with `limits`, sorted as contacts are: the pairs of
+ * features that the whole way would bring nearer than they may come. All arrays are there, whatever the scene asks for,
+ * and on the host. `distance` is the least that the pair keeps, `toi` the fraction of the whole way at which it comes
+ * to that, no later than in truth; weights and normals are those of `toi`. */
+COLLIDED_API collided_status collided_result_limits(const collided_result* result, int32_t kind,
+                                                    collided_contacts* limits);
 
 /* What a frame found and what it cost, besides its contacts. */
 typedef struct collided_facts {
