@@ -50,13 +50,23 @@ const SCENARIOS = {
       await stream.detect(FRAME);
       const x = FRAME.updates[1].positions.slice();
       const target = x.map((c, i) => (i % 3 === 2 ? c - 2 : c));
-      const options = { advance: true, advanceMode: AdvanceMode.PER_VERTEX, limits: true };
-      const { done, shortened, limits } = await stream.detect({ updates: [{ mesh: 1, positions: target }], ...options });
-      const both = [limits.vertexTriangle, limits.edgeEdge].map(({ elements, toi }) => [[...elements], [...toi]]);
-      if (JSON.stringify(both) !== "[[[3,0],[0.5]],[[0,3],[0.75]]]") throw new Error(JSON.stringify(both));
+      const frame = { updates: [{ mesh: 1, positions: target }], advance: true, advanceMode: AdvanceMode.PER_VERTEX };
+      const { done, shortened } = await stream.detect(frame);
       moveAlong(x, target, fractionsOf(shortened, 3, 3));
       const has = JSON.stringify([done.advanced, done.way, [...shortened.ids], [...shortened.fractions], x[2], x[5], x[8]]);
       if (has !== "[0.25,0.75,[3,4],[0.25,0.5],0.5,8,7]") throw new Error(has);
+      await stream.finish();
+    } finally {
+      stream.cancel();
+    }
+  },
+  async limits(client) {
+    const stream = await client.stream(await client.createScene(INPUT));
+    try {
+      await stream.detect(FRAME);
+      const { limits } = await stream.detect({ ...FRAME, advance: true, limits: true });
+      const has = JSON.stringify([limits.vertexTriangle, limits.edgeEdge].map(({ elements, toi }) => [...elements, ...toi]));
+      if (has !== "[[3,0,0.5],[0,3,0.75]]") throw new Error(has);
       await stream.finish();
     } finally {
       stream.cancel();

@@ -427,15 +427,13 @@ class NoInfo(OfWaits):
 
 
 class OfAdvances(Honest):
-    """Answers a frame that advances per vertex and asks for limits. ways: what each message says was shortened. limits: what each
-    message says limits the way. The last ones are in `done`."""
+    """Answers a frame that advances per vertex. ways: what each message says was shortened; the last one is `done`."""
 
     scenarios, expected = ("advance",), {LOST}
     ways = (((3, 0.25),), ((4, 0.5),))
-    limits = (hit(), edge_hit(toi=unpacked(1, 0.75, kind="d")))
 
     def info(self, info):
-        info.features.extend(f"collided.v1.{name}" for name in ("Frame.advance_mode", "ADVANCE_MODE_PER_VERTEX", "Frame.limits"))
+        info.features.extend(("collided.v1.Frame.advance_mode", "collided.v1.ADVANCE_MODE_PER_VERTEX"))
         return info
 
     def frame(self, frame_id):
@@ -444,9 +442,7 @@ class OfAdvances(Honest):
         *messages, last = map(self.shortened, self.ways)
         for message in messages:
             yield api.StreamFramesResponse(frame_id=frame_id, shortened=message)
-        for message in self.limits[:-1]:
-            yield api.StreamFramesResponse(frame_id=frame_id, limits=message)
-        yield answer(frame_id, advanced=0.25, way=0.75, shortened=last, limits=self.limits[-1:])
+        yield answer(frame_id, advanced=0.25, way=0.75, shortened=last)
 
     def shortened(self, ways):
         ids, fractions = zip(*ways)
@@ -465,14 +461,6 @@ class AdvanceOfAnOlderDaemon(OfAdvances):
     expected = {"UNIMPLEMENTED"}
 
     def info(self, info):
-        return info
-
-
-class LimitsOfAnOlderDaemon(AdvanceOfAnOlderDaemon):
-    says = "frame.limits"
-
-    def info(self, info):
-        info.features.extend(("collided.v1.Frame.advance_mode", "collided.v1.ADVANCE_MODE_PER_VERTEX"))
         return info
 
 
@@ -497,59 +485,91 @@ class ShortenedWithoutFractions(OfAdvances):
         return frame_pb2.ShortenedWays(ids=super().shortened(ways).ids)
 
 
-class LimitsOfHugeCount(OfAdvances):
+# Limits of an advance.
+
+
+class OfLimits(Honest):
+    """Answers a frame that advances and asks for limits. limits: what each message says limits the way; the last one is in `done`."""
+
+    scenarios, expected = ("limits",), {LOST}
+    limits = (hit(), edge_hit(toi=unpacked(1, 0.75, kind="d")))
+
+    def info(self, info):
+        info.features.append("collided.v1.Frame.limits")
+        return info
+
+    def frame(self, frame_id):
+        if frame_id == 1:
+            return (yield answer(frame_id))
+        for message in self.limits[:-1]:
+            yield api.StreamFramesResponse(frame_id=frame_id, limits=message)
+        yield answer(frame_id, advanced=0.25, way=0.75, limits=self.limits[-1:])
+
+
+class HonestLimits(OfLimits):
+    expected = {"ok"}
+
+
+class LimitsOfAnOlderDaemon(OfLimits):
+    expected, says = {"UNIMPLEMENTED"}, "frame.limits"
+
+    def info(self, info):
+        return info
+
+
+class LimitsOfHugeCount(OfLimits):
     says = "limits."
     limits = (hit(), edge_hit(count=MOST))
 
 
-class LimitsOfNoCount(OfAdvances):
+class LimitsOfNoCount(OfLimits):
     says = "limits.count"
     limits = (hit(), edge_hit(count=0))
 
 
-class LimitsWithoutNormals(OfAdvances):
+class LimitsWithoutNormals(OfLimits):
     """Limits have every array."""
 
     says = "limits.normals"
     limits = (hit(), edge_hit(normals=b""))
 
 
-class LimitsWithoutFlags(OfAdvances):
+class LimitsWithoutFlags(OfLimits):
     says = "limits.flags"
     limits = (hit(flags=b""), edge_hit())
 
 
-class LimitsOfShortWeights(OfAdvances):
+class LimitsOfShortWeights(OfLimits):
     says = "limits.weights"
     limits = (hit(weights=bytes(8)), edge_hit())
 
 
-class LimitsOfTriangles(OfAdvances):
+class LimitsOfTriangles(OfLimits):
     says = "limits.kind"
     limits = (hit(), edge_hit(kind=contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, elements=unpacked(2, 0, 1)))
 
 
-class LimitsOfUnknownKind(OfAdvances):
+class LimitsOfUnknownKind(OfLimits):
     says = "limits.kind"
     limits = (hit(kind=77), edge_hit())
 
 
-class LimitsOfUnknownVertex(OfAdvances):
+class LimitsOfUnknownVertex(OfLimits):
     says = "limits.stencils"
     limits = (hit(stencils=unpacked(4, 3, 0, 1, MOST)), edge_hit())
 
 
-class LimitsOfUnknownEdge(OfAdvances):
+class LimitsOfUnknownEdge(OfLimits):
     says = "limits.elements"
     limits = (hit(), edge_hit(elements=unpacked(2, 0, 6)))
 
 
-class LimitsAtATimeThatIsNone(OfAdvances):
+class LimitsAtATimeThatIsNone(OfLimits):
     says = "limits.toi"
     limits = (hit(toi=unpacked(1, float("nan"), kind="d")), edge_hit())
 
 
-class LimitsAtADistanceThatIsNone(OfAdvances):
+class LimitsAtADistanceThatIsNone(OfLimits):
     says = "limits.distance"
     limits = (hit(distance=unpacked(1, -1.0, kind="d")), edge_hit())
 
