@@ -94,7 +94,7 @@ class Bodies {
         moves.push_back({i, false, {}, {}, pack(positions_of(targets[i].at), scalar_)});
     }
     FrameInput input = frame_of(moves);
-    input.advance = true, input.advance_mode = mode;
+    input.advance = input.limits = true, input.advance_mode = mode;
     result_ = scene_->detect(input);
     std::vector<double> gone(bodies_.size(), mode == AdvanceMode::kAllOrOne ? *result_.advanced : 1.0);
     for (size_t i = 0; i < result_.shortened.ids.size(); ++i) {
@@ -105,6 +105,7 @@ class Bodies {
     return gone;
   }
   const FrameResult& result() const { return result_; }
+  const Topology& topology() const { return scene_->topology(); }
 
   /// Returns where the engine has a body.
   Tetrahedron resident(uint32_t body) const {
@@ -221,7 +222,7 @@ TEST_F(TurningAdvances, WhatSpinsGetsNearAWall) {
 
 /// Counts what was judged, and adds up how far rigid bodies went.
 struct Judged {
-  int steps = 0, ways = 0, rigid = 0, shortened = 0;
+  int steps = 0, ways = 0, rigid = 0, shortened = 0, limits = 0, later_limits = 0;
   double share = 0;
 };
 
@@ -243,6 +244,7 @@ class Crowd {
     find_ends(judged);
     constexpr int kTimes = 24;
     for (int time = 0; time <= kTimes; ++time) judge(1.0 * time / kTimes, judged);
+    judge_limits(judged);
     ++judged.steps;
   }
 
@@ -325,6 +327,41 @@ class Crowd {
             << "bodies " << i << " and " << j << ", at " << t << ", mode " << static_cast<int>(mode_);
   }
 
+  /// A vertex on its way to where it is aimed at.
+  Vec3d aimed_at(uint32_t vertex, double t) const {
+    const size_t body = vertex / 4, v = vertex % 4;
+    if (is_rigid(body)) return nearest(screws_[body].at(t)(exact(before_[body][v])));
+    const bool stands = motion_of(body) == MeshMotion::kStatic;
+    return lerp(start_[body][v], stands ? start_[body][v] : targets_[body].at[v], t);
+  }
+  /// Pairs that limit the way are no nearer than their floors before the times that they have.
+  void judge_limits(Judged& judged) const {
+    const PerKind<ContactSet>& limits = bodies_.result().limits;
+    const Topology& topology = bodies_.topology();
+    for (size_t i = 0; i < limits.vertex_triangle.size(); ++i) {
+      const auto [vertex, triangle] = limits.vertex_triangle.elements[i];
+      const auto& [a, b, c] = topology.triangles[triangle];
+      judge_limit(limits.vertex_triangle, i, judged, [&](double t) {
+        return point_triangle(aimed_at(vertex, t), {aimed_at(a, t), aimed_at(b, t), aimed_at(c, t)}).distance;
+      });
+    }
+    for (size_t i = 0; i < limits.edge_edge.size(); ++i) {
+      const auto &e = topology.edges[limits.edge_edge.elements[i][0]],
+                 &f = topology.edges[limits.edge_edge.elements[i][1]];
+      judge_limit(limits.edge_edge, i, judged, [&](double t) {
+        return edge_edge({aimed_at(e[0], t), aimed_at(e[1], t)}, {aimed_at(f[0], t), aimed_at(f[1], t)}).distance;
+      });
+    }
+  }
+  template <class Distance>
+  void judge_limit(const ContactSet& set, size_t i, Judged& judged, const Distance& distance_at) const {
+    constexpr int kTimes = 6;
+    ++judged.limits, judged.later_limits += set.toi[i] > 0;
+    for (int time = 0; time <= kTimes && set.toi[i] > 0; ++time)
+      ASSERT_GE(distance_at(set.toi[i] * time / kTimes), set.distance[i] * (1 - 1e-6) - 4 * unit_ * size())
+          << "limit " << i << ", mode " << static_cast<int>(mode_);
+  }
+
   Random random_;
   const double min_separation_, offset_, unit_;
   const AdvanceMode mode_;
@@ -350,6 +387,8 @@ TEST_F(TurningAdvances, KeepTheirFloorsOnTheirScrews) {
               judged.ways, judged.shortened, judged.rigid, judged.share / judged.rigid);
   EXPECT_GT(judged.shortened, judged.rigid / 4);
   EXPECT_GT(judged.share, 0.3 * judged.rigid);
+  std::printf("%d limits, %d of them not at the start\n", judged.limits, judged.later_limits);
+  EXPECT_GT(judged.later_limits, 200);
 }
 
 // One fraction for all, of bodies that are not the first.
