@@ -162,7 +162,7 @@ void run(const DetectOptions& options) {
   Json summary = found_in_words(step, output, spec);
   summary["scene"] = scene_json(*scene);
   summary.update(found_json(output.done, spec));
-  summary.update(shortened_json(output));
+  summary.update(advance_json(output));
   if (const auto contact = earliest_contact(output)) summary["earliest"] = *contact;
   summary.update(frame_json(output.done, spec.report()));
   summary.update(transport_json(stream));

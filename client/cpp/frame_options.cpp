@@ -14,6 +14,7 @@ v1::Frame frame_head(uint64_t frame_id, const FrameOptions& options) {
   head.set_ignore_separating(options.ignore_separating);
   head.set_advance(options.advance);
   head.set_advance_mode(options.advance_mode);
+  head.set_limits(options.limits);
   head.set_trial(options.trial);
   if (options.from_last_fraction) head.set_from_last_fraction(*options.from_last_fraction);
   if (options.edit) *head.mutable_edit() = *options.edit;
@@ -31,6 +32,7 @@ void copy_head(const v1::Frame& from, v1::Frame& to) {
   to.set_ignore_separating(from.ignore_separating());
   to.set_advance(from.advance());
   to.set_advance_mode(from.advance_mode());
+  to.set_limits(from.limits());
   to.set_trial(from.trial());
   if (from.has_from_last_fraction()) to.set_from_last_fraction(from.from_last_fraction());
   if (from.has_edit()) *to.mutable_edit() = from.edit();

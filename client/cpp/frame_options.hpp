@@ -19,6 +19,7 @@ struct FrameOptions {
   bool ignore_separating = false;
   bool advance = false;
   v1::AdvanceMode advance_mode = v1::ADVANCE_MODE_UNSPECIFIED;  ///< with `advance` alone
+  bool limits = false;                                          ///< answer with what limits the way; likewise
   bool trial = false;
   std::optional<double> from_last_fraction = {};
   std::optional<v1::SceneEdit> edit = {};  ///< of edited_mesh() and removed_mesh(), and of pairs of meshes

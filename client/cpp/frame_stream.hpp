@@ -30,6 +30,7 @@ struct FrameOutput : PerKind<Contacts> {
   uint64_t frame_id = 0;
   v1::FrameDone done;                        ///< metrics and totals
   FrameAdvance advance;                      ///< for move_along()
+  PerKind<Contacts> limits;                  ///< what limits the way, with FrameOptions::limits; all columns are there
   std::optional<v1::FrameError> error;       ///< the frame was refused; the stream goes on
   std::vector<v1::WorldError> world_errors;  ///< of a set: worlds that were refused by themselves, ascending
   bool skipped = false;                      ///< a later frame replaced it (LATEST_WINS)

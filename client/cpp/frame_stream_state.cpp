@@ -155,12 +155,16 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
   }
   if (response.response_case() == v1::StreamFramesResponse::RESPONSE_NOT_SET) return;  // of a later version
   const uint64_t id = response.frame_id();
-  partial.advance.mode = next_answered(id).advance_mode;
+  const SentFrame sent = next_answered(id);
+  partial.advance.mode = sent.advance_mode;
+  takes_limits = sent.limits;
   switch (response.response_case()) {
     case v1::StreamFramesResponse::kContacts:
       return add(response.contacts());
     case v1::StreamFramesResponse::kShortened:
       return add(response.shortened());
+    case v1::StreamFramesResponse::kLimits:
+      return add_limits(response.limits());
     case v1::StreamFramesResponse::kDone:
       finish_frame(*response.mutable_done());
       return complete(id);
@@ -199,8 +203,24 @@ void FrameStream::State::add(const v1::ContactChunk& chunk) {
   Contacts& contacts = value_of(partial, chunk.kind());
   const uint64_t before = contacts.count;
   append(contacts, chunk, transport.get());
+  check(chunk.kind(), contacts, before);
+}
+
+void FrameStream::State::add_limits(const v1::ContactChunk& chunk) {
+  if (!takes_limits) throw_lost("the daemon names limits of a frame that does not ask for them");
+  Contacts& limits = value_of(partial.limits, chunk.kind());
+  const uint64_t before = limits.count;
+  append(limits, chunk);
+  for_each_column([&](v1::ContactField field, auto column) {
+    if ((limits.*column).size() != limits.count)
+      throw_lost("limits has no " + v1::ContactField_Name(field) + "; it must have all fields");
+  });
+  check(chunk.kind(), limits, before);
+}
+
+void FrameStream::State::check(v1::ContactKind kind, const Contacts& contacts, uint64_t first) {
   const std::lock_guard lock(mutex);
-  if (size.vertices > 0 && !has_edits) check_ids(chunk.kind(), contacts, before, size);
+  if (size.vertices > 0 && !has_edits) check_ids(kind, contacts, first, size);
 }
 
 void FrameStream::State::add(const v1::ShortenedWays& ways) {
@@ -218,8 +238,10 @@ void FrameStream::State::add(const v1::ShortenedWays& ways) {
 
 void FrameStream::State::finish_frame(v1::FrameDone& done) {
   for (const v1::ContactChunk& chunk : done.contacts()) add(chunk);
+  for (const v1::ContactChunk& chunk : done.limits()) add_limits(chunk);
   if (done.has_shortened()) add(done.shortened());
   done.clear_contacts();
+  done.clear_limits();
   done.clear_shortened();
   check_fraction("earliest_toi", done.earliest_toi());
   check_fraction("advanced", done.advanced());
@@ -291,7 +313,7 @@ void FrameStream::State::give_credit() {
 void FrameStream::State::send(const v1::Frame& frame, std::span<const FrameUpdate> updates) {
   if (setup.features) setup.features->check(frame, "frame");
   const bool has_mode = frame.advance() && frame.advance_mode() != v1::ADVANCE_MODE_UNSPECIFIED;
-  take_credit({frame.frame_id(), has_mode ? frame.advance_mode() : v1::ADVANCE_MODE_ALL_OR_ONE});
+  take_credit({frame.frame_id(), has_mode ? frame.advance_mode() : v1::ADVANCE_MODE_ALL_OR_ONE, frame.limits()});
   if (frame.has_edit()) {
     const std::lock_guard lock(mutex);
     has_edits = true;

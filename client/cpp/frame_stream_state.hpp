@@ -21,6 +21,7 @@ FrameTransport::Time time_after(std::chrono::duration<double> time);
 struct SentFrame {
   uint64_t id;
   v1::AdvanceMode advance_mode;  ///< ALL_OR_ONE also without `advance`
+  bool limits;                   ///< it asks for them
 };
 
 struct FrameStream::State {
@@ -43,6 +44,9 @@ struct FrameStream::State {
   /// Returns the oldest frame in flight. Throws Error (DATA_LOSS) unless it has that id.
   SentFrame next_answered(uint64_t frame_id);
   void add(const v1::ContactChunk& chunk);
+  void add_limits(const v1::ContactChunk& chunk);
+  /// Checks the contacts of a chunk, from the `first` on, against what the scene has.
+  void check(v1::ContactKind kind, const Contacts& contacts, uint64_t first);
   void add(const v1::ShortenedWays& ways);
   void finish_frame(v1::FrameDone& done);
   void complete(uint64_t frame_id);
@@ -69,6 +73,7 @@ struct FrameStream::State {
   uint64_t waits = 0;       ///< how often callers have waited
   int waiting = 0;          ///< callers that wait now
   FrameOutput partial;      ///< of the oldest frame in flight; used by the reading thread only
+  bool takes_limits = false;  ///< that frame asks for them; likewise
   std::deque<FrameOutput> ready;
   std::deque<SentFrame> in_flight;  ///< the oldest first
   SceneSize size;                   ///< as of the opening; 0 if the daemon does not tell it

@@ -173,6 +173,7 @@ void add_advance_options(CLI::App& command, DetectionOptions& options) {
       ->needs(advance)
       ->check(one_of(kAdvanceModes))
       ->capture_default_str();
+  command.add_flag("--limits", options.limits, "Count the contacts that limit how far --advance goes")->needs(advance);
   command.add_option("--min-separation", options.min_separation, "Distance that --advance keeps between features")
       ->needs(advance)
       ->check(finite())
@@ -226,6 +227,7 @@ void check_usage(const DetectionOptions& options) {
 void set_advance(const DetectionOptions& detection, v1::Frame& frame) {
   frame.set_advance(detection.advance);
   frame.set_advance_mode(value_of(kAdvanceModes, detection.advance_mode));
+  frame.set_limits(detection.limits);
 }
 
 void set_place(const ServerOptions& server, v1::SceneSpec& spec) {

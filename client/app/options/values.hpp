@@ -36,6 +36,7 @@ struct DetectionOptions {
   std::string reuse = "auto";
   bool advance = false;
   std::string advance_mode = "all-or-one";
+  bool limits = false;        ///< of `advance`
   double min_separation = 0;  ///< that `advance` keeps
 };
 

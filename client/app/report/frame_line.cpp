@@ -16,6 +16,12 @@ bool has_candidates(const v1::FrameDone& done, const v1::SceneSpec& spec) {
 
 bool has_shortened(const client::FrameOutput& output) { return output.advance.mode != v1::ADVANCE_MODE_ALL_OR_ONE; }
 
+uint64_t count_limits(const client::FrameOutput& output) {
+  uint64_t count = 0;
+  client::for_each_kind([&](v1::ContactKind, const client::Contacts& limits) { count += limits.count; }, output.limits);
+  return count;
+}
+
 }  // namespace
 
 bool has_times(const v1::FrameDone& done, const v1::SceneSpec& spec) {
@@ -54,14 +60,19 @@ Json found_json(const v1::FrameDone& done, const v1::SceneSpec& spec) {
 std::string advance_text(const client::FrameOutput& output) {
   if (!output.done.has_way()) return "";
   const std::string way = ", went " + format_double("%.6g", output.done.way()) + " of its way";
-  if (!has_shortened(output)) return way;
   const bool is_meshes = output.advance.mode == v1::ADVANCE_MODE_PER_MESH;
-  return way + ", " + std::to_string(output.advance.ids.size()) + (is_meshes ? " meshes" : " vertices") + " shortened";
+  const std::string shortened = has_shortened(output) ? ", " + std::to_string(output.advance.ids.size()) +
+                                                            (is_meshes ? " meshes" : " vertices") + " shortened"
+                                                      : "";
+  const uint64_t limits = count_limits(output);
+  return way + shortened + (limits > 0 ? ", " + std::to_string(limits) + " contacts limit it" : "");
 }
 
-Json shortened_json(const client::FrameOutput& output) {
-  if (!has_shortened(output)) return Json::object();
-  return {{"shortened_count", output.advance.ids.size()}};
+Json advance_json(const client::FrameOutput& output) {
+  Json out = Json::object();
+  if (has_shortened(output)) out["shortened_count"] = output.advance.ids.size();
+  if (const uint64_t limits = count_limits(output); limits > 0) out["limit_count"] = limits;
+  return out;
 }
 
 Json frame_result_json(const v1::FrameDone& done, const v1::SceneSpec& spec) {

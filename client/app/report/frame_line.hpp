@@ -18,12 +18,14 @@ client::PerKind<uint64_t> found_counts(const v1::FrameDone& done, const v1::Scen
 /// with REPORT_ANY_HIT, which counts none, "a contact" or "no contact".
 std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec);
 
-/// Returns ", went 0.93 of its way, 12 vertices shortened" for a frame with `advance`, and "" for others. The second
-/// part is there if the frame advanced per mesh or per vertex.
+/// Returns ", went 0.93 of its way, 12 vertices shortened, 5 contacts limit it" for a frame with `advance`, and "" for
+/// others. The second part is there if the frame advanced per mesh or per vertex, the third if contacts that limit its
+/// way came.
 std::string advance_text(const client::FrameOutput& output);
 
-/// Counts what did not go all of its way in a frame that advanced per mesh or per vertex; empty for others.
-Json shortened_json(const client::FrameOutput& output);
+/// Counts what did not go all of its way in a frame that advanced per mesh or per vertex, and the contacts that limit
+/// the way if any came.
+Json advance_json(const client::FrameOutput& output);
 
 /// Contacts and their earliest time, as far as they were counted, and how far the frame went.
 Json found_json(const v1::FrameDone& done, const v1::SceneSpec& spec);

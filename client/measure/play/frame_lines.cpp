@@ -23,7 +23,7 @@ void FrameLines::add(const client::FrameOutput& output) {
   Json frame = {{"frame", output.frame_id}};
   if (!file.empty()) frame["file"] = file;
   frame.update(frame_result_json(output.done, options_.spec));
-  frame.update(shortened_json(output));
+  frame.update(advance_json(output));
   if (options_.spec.report() != v1::REPORT_ANY_HIT) frame["contacts_digest"] = digest_of(output);
   frames_.push_back(std::move(frame));
 }

@@ -244,6 +244,13 @@ class Detect(support.CollidectlTest):
             self.assertEqual(each["shortened_count"], count, mode)
             self.assertGreaterEqual(each["way"], whole["way"] - 1e-5, mode)
 
+    def test_an_advance_counts_what_limits_it(self):
+        words = ["detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--advance"]
+        self.assertNotIn("limit_count", json.loads(self.ok(*words, "--json")))
+        for mode in "all-or-one", "per-mesh", "per-vertex":
+            limited = json.loads(self.ok(*words, "--advance-mode", mode, "--limits", "--json"))
+            self.assertEqual(limited["limit_count"], 1, mode)
+
     def test_reports(self):
         frames = [self.frame0, self.frame1]
         out = os.path.join(self.folder.name, "c.csv")

@@ -55,6 +55,7 @@ class Usage(support.CollidectlTest):
             self.refused(2, "--advance needs --mode ccd, --accuracy certified or exact", *words, "--advance")
         self.refused(2, "--advance-mode requires --advance", *ccd, "--advance-mode", "per-mesh")
         self.refused(2, "--advance-mode", *ccd, "--advance", "--advance-mode", "each")
+        self.refused(2, "--limits requires --advance", *ccd, "--limits")
         self.refused(2, "--min-separation requires --advance", *ccd, "--min-separation", "0.1")
         self.refused(2, "--min-separation", *ccd, "--advance", "--min-separation=-1")
         self.refused(2, "--end-to-end takes --position-format f32 or f64", "bench", "--end-to-end", "--position-format",

@@ -266,10 +266,13 @@ class FrameAnswers : public testing::Test {
   FrameOutput taken(const FrameOptions& options) {
     v1::StreamFramesResponse opened;
     opened.mutable_opened()->set_window(1);
-    for (const uint32_t vertices : {3, 4})
-      opened.mutable_opened()->mutable_scene()->mutable_spec()->add_meshes()->set_vertex_count(vertices);
+    for (const uint32_t vertices : {3, 4}) {
+      v1::MeshSpec& mesh = *opened.mutable_opened()->mutable_scene()->mutable_spec()->add_meshes();
+      mesh.set_vertex_count(vertices), mesh.set_triangle_count(1);
+    }
     std::deque<v1::StreamFramesResponse> messages;
     for (const v1::ShortenedWays& ways : before) *messages.emplace_back().mutable_shortened() = ways;
+    for (const v1::ContactChunk& chunk : limits) *messages.emplace_back().mutable_limits() = chunk;
     *messages.emplace_back().mutable_done() = done;
     for (auto& message : messages) message.set_frame_id(1);
     FrameStream stream = FrameStream::open(std::make_unique<ScriptedAnswer>(opened, std::move(messages)), {});
@@ -285,8 +288,56 @@ class FrameAnswers : public testing::Test {
   const FrameOptions per_mesh{.advance = true, .advance_mode = kPerMesh},
       per_vertex{.advance = true, .advance_mode = kPerVertex};
   std::vector<v1::ShortenedWays> before;
+  std::vector<v1::ContactChunk> limits;
   v1::FrameDone done;
 };
+
+/// Limits of a vertex each, at the first triangle.
+v1::ContactChunk limits_of(const std::vector<uint32_t>& vertices) {
+  v1::ContactChunk chunk;
+  chunk.set_kind(v1::CONTACT_KIND_VERTEX_TRIANGLE);
+  chunk.set_count(static_cast<uint32_t>(vertices.size()));
+  std::vector<uint32_t> elements, stencils;
+  for (const uint32_t v : vertices) {
+    elements.insert(elements.end(), {v, 0});
+    stencils.insert(stencils.end(), {v, 0, 1, 2});
+  }
+  const size_t n = vertices.size();
+  chunk.set_elements(packed(elements)), chunk.set_stencils(packed(stencils));
+  chunk.set_toi(packed(std::vector<double>(n, 0.5))), chunk.set_distance(packed(std::vector<double>(n, 0.125)));
+  chunk.set_weights(packed(std::vector<double>(2 * n, 0.25))), chunk.set_normals(packed(std::vector<float>(3 * n, 1)));
+  chunk.set_flags(std::string(n, '\1'));
+  return chunk;
+}
+
+TEST_F(FrameAnswers, HaveLimitsOfAllMessages) {
+  limits = {limits_of({3, 4}), limits_of({5})};
+  *done.add_limits() = limits_of({6});
+  const FrameOutput output = taken({.advance = true, .limits = true});
+  EXPECT_EQ(output.limits.vertex_triangle.count, 4u);
+  EXPECT_EQ(output.limits.vertex_triangle.elements.back(), (std::array<uint32_t, 2>{6, 0}));
+  EXPECT_EQ(output.limits.vertex_triangle.distance, std::vector<double>(4, 0.125));
+  EXPECT_EQ(output.limits.edge_edge.count, 0u);
+  EXPECT_EQ(output.vertex_triangle.count, 0u);
+  EXPECT_EQ(output.done.limits_size(), 0);
+}
+
+TEST_F(FrameAnswers, HaveLimitsOnlyWhereTheFrameAsksForThemAndAllOfEach) {
+  limits = {limits_of({3})};
+  expect_lost("limits of a frame that does not ask for them", {.advance = true});
+  const FrameOptions asks{.advance = true, .limits = true};
+  limits = {limits_of({3}), limits_of({4})};
+  limits[1].clear_weights();
+  expect_lost("weights", asks);
+  limits[0].clear_weights();
+  expect_lost("limits has no CONTACT_FIELD_WEIGHTS; it must have all fields", asks);
+  limits = {limits_of({7})};
+  expect_lost("names 7; the scene has 7 vertices", asks);
+  limits = {};
+  *done.add_limits() = limits_of({3});
+  expect_lost("limits of a frame that does not ask for them", {.advance = true});
+  EXPECT_EQ(taken(asks).limits.vertex_triangle.count, 1u);
+}
 
 TEST_F(FrameAnswers, AreJoinedFromAllMessages) {
   before = {ways_of({0, 2}, {0.5, 0.75}), ways_of({3}, {0.875})};

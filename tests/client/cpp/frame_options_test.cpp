@@ -70,7 +70,7 @@ TEST(FrameOptions, EveryFieldOfAFrameButTheUpdatesHasAnOption) {
   options.accuracy = v1::ACCURACY_EXACT;
   options.delta = 0.0;  // set, though it is what a frame without it would have
   options.report = v1::REPORT_ANY_HIT;
-  options.ignore_separating = options.advance = options.trial = true;
+  options.ignore_separating = options.advance = options.limits = options.trial = true;
   options.advance_mode = v1::ADVANCE_MODE_PER_MESH;
   options.from_last_fraction = 0.0;
   options.edit = v1::SceneEdit();
@@ -82,7 +82,7 @@ TEST(FrameOptions, EveryFieldOfAFrameButTheUpdatesHasAnOption) {
       head.ShortDebugString(),
       "frame_id: 5 accuracy: ACCURACY_EXACT delta: 0 report: REPORT_ANY_HIT ignore_separating: true advance: true "
       "trial: true from_last_fraction: 0 mode: DETECTION_MODE_CCD edit { } worlds: 2 worlds: 3 meshes: 4 "
-      "advance_mode: ADVANCE_MODE_PER_MESH");
+      "advance_mode: ADVANCE_MODE_PER_MESH limits: true");
 }
 
 TEST(FrameOptions, AHeadWithoutOptionsHasItsIdAlone) { EXPECT_EQ(frame_head(9, {}).ShortDebugString(), "frame_id: 9"); }

@@ -62,6 +62,18 @@ void run_stream(Client& client, milliseconds patience, Local local) {
   stream.finish();
 }
 
+void run_limits(Client& client, milliseconds patience) {
+  FrameStream stream =
+      client.stream(client.create_scene(spec(), meshes()), {.window = 1, .local = {.use = Local::kOff}});
+  stream.send(1, updates());
+  within(stream.receive_within(patience));
+  stream.send(2, updates(), {.advance = true, .limits = true});
+  const auto limits = within(stream.receive_within(patience)).limits;
+  if (limits.vertex_triangle.toi != std::vector{0.5} || limits.edge_edge.toi != std::vector{0.75})
+    throw std::logic_error("not the limits that came");
+  stream.finish();
+}
+
 /// The daemon takes none of it: positions for much more than a connection buffers.
 void run_large(Client& client, milliseconds) {
   constexpr uint32_t kVertices = 3'000'000;
@@ -100,6 +112,7 @@ void run_set(Client& client, milliseconds) {
 void run_scenario(const std::string& scenario, const std::string& address, const ConnectOptions& connect) {
   if (scenario == "session") return run_session(address, connect);
   Client client = Client::connect(address, connect);
+  if (scenario == "limits") run_limits(client, connect.deadline);
   if (scenario == "stream") run_stream(client, connect.deadline, Local::kOff);
   if (scenario == "local") run_stream(client, connect.deadline, Local::kOn);
   if (scenario == "large") run_large(client, connect.deadline);
