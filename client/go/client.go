@@ -260,8 +260,8 @@ func (c *Client) Detect(ctx context.Context, scene *Scene, frame Frame) (*Output
 	if err != nil {
 		return nil, err
 	}
-	output := &Output{FrameID: frame.ID, mode: frame.AdvanceMode}
-	if err := output.addAll(answer.Contacts); err != nil {
+	output := newOutput(message)
+	if err := output.add(fieldContacts, answer.Contacts...); err != nil {
 		return nil, err
 	}
 	if err := output.finish(answer.Done); err != nil {

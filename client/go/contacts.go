@@ -34,36 +34,63 @@ type ContactSet struct {
 	VertexTriangle, EdgeEdge, TriangleTriangle Contacts
 }
 
-// add appends a chunk. DataLoss if the length of an array is not what the chunk's count asks for.
-func (s *ContactSet) add(chunk *v1.ContactChunk) error {
-	switch chunk.Kind {
+// The fields of an answer that have contacts, as errors name them.
+const (
+	fieldContacts = "contacts"
+	fieldLimits   = "limits"
+)
+
+// of returns the contacts of a kind; nil for a kind that this client does not know.
+func (s *ContactSet) of(kind v1.ContactKind) *Contacts {
+	switch kind {
 	case VertexTriangle:
-		return s.VertexTriangle.add(chunk)
+		return &s.VertexTriangle
 	case EdgeEdge:
-		return s.EdgeEdge.add(chunk)
+		return &s.EdgeEdge
 	case TriangleTriangle:
-		return s.TriangleTriangle.add(chunk)
+		return &s.TriangleTriangle
 	}
-	return failf(codes.DataLoss, "", "contacts.kind is %v, which this client does not know", chunk.Kind)
+	return nil
 }
 
-func (s *ContactSet) addAll(chunks []*v1.ContactChunk) error {
+// add appends chunks of a field of the answer. DataLoss if the length of an array is not what its chunk's count asks for.
+func (s *ContactSet) add(field string, chunks ...*v1.ContactChunk) error {
 	for _, chunk := range chunks {
-		if err := s.add(chunk); err != nil {
+		contacts := s.of(chunk.Kind)
+		if contacts == nil {
+			return failf(codes.DataLoss, "", "%s.kind is %v, which this client does not know", field, chunk.Kind)
+		}
+		if err := contacts.add(field, chunk); err != nil {
 			return err
 		}
 	}
 	return nil
 }
 
-func (c *Contacts) add(chunk *v1.ContactChunk) error {
+// addLimits appends chunks of contacts that limit a way, which have every array. DataLoss for a kind that limits none.
+func (s *ContactSet) addLimits(chunks ...*v1.ContactChunk) error {
+	for _, chunk := range chunks {
+		if chunk.Kind == TriangleTriangle {
+			return failf(codes.DataLoss, "", "limits.kind is %v; only a vertex and a triangle, or two edges, limit a way", chunk.Kind)
+		}
+		if err := s.add(fieldLimits, chunk); err != nil {
+			return err
+		}
+		if err := s.of(chunk.Kind).checkWhole(fieldLimits); err != nil {
+			return err
+		}
+	}
+	return nil
+}
+
+func (c *Contacts) add(field string, chunk *v1.ContactChunk) error {
 	if chunk.Count == 0 {
-		return failf(codes.DataLoss, "", "contacts.count is 0; a chunk has 1 contact or more")
+		return failf(codes.DataLoss, "", "%s.count is 0; a chunk has 1 contact or more", field)
 	}
 	if chunk.Shared != nil {
-		return failf(codes.DataLoss, "", "contacts.shared names shared memory, and there is none over gRPC")
+		return failf(codes.DataLoss, "", "%s.shared names shared memory, and there is none over gRPC", field)
 	}
-	r := reader{before: c.Count, count: int(chunk.Count)}
+	r := reader{field: field, before: c.Count, count: int(chunk.Count)}
 	c.Elements = read(&r, "elements", c.Elements, chunk.Elements, 8, uint32s[[2]uint32])
 	c.Stencils = read(&r, "stencils", c.Stencils, chunk.Stencils, 16, uint32s[[4]uint32])
 	c.TOI = read(&r, "toi", c.TOI, chunk.Toi, 8, float64At)
@@ -75,23 +102,24 @@ func (c *Contacts) add(chunk *v1.ContactChunk) error {
 	if r.err != nil {
 		return r.err
 	}
-	return c.check(r.before, r.hasArray)
+	return c.check(field, r.before, r.hasArray)
 }
 
 // reader remembers whether the contacts have an array, and the first one of a chunk that is not as long as it has to be.
 type reader struct {
+	field         string // of the answer
 	before, count int
 	hasArray      bool
 	err           error
 }
 
-func read[T any](r *reader, field string, out []T, bytes []byte, width int, entry func([]byte) T) []T {
+func read[T any](r *reader, column string, out []T, bytes []byte, width int, entry func([]byte) T) []T {
 	if len(bytes) == 0 && len(out) == 0 {
 		return out
 	}
 	if len(bytes) != r.count*width || len(out) != r.before {
-		r.err = failf(codes.DataLoss, "", "contacts.%s has %d bytes for %d contacts; it needs %d",
-			field, len(bytes), r.count, r.count*width)
+		r.err = failf(codes.DataLoss, "", "%s.%s has %d bytes for %d contacts; it needs %d",
+			r.field, column, len(bytes), r.count, r.count*width)
 		return out
 	}
 	r.hasArray = true

@@ -25,6 +25,8 @@ type Frame struct {
 	// AdvanceMode is what goes its own fraction of the way, with Advance alone: the scene, or PerMesh, or PerVertex. How far each
 	// went is in Output.Shortened.
 	AdvanceMode v1.AdvanceMode
+	// Limits has Output.Limits answered, too, with Advance alone: the contacts that limit the way.
+	Limits bool
 	// Trial answers and leaves the scene as it was.
 	Trial bool
 	// FromLastFraction begins this far along the way of the last frame, in [0, 1].
@@ -59,6 +61,7 @@ func (f *Frame) message(format v1.PositionFormat) (*v1.Frame, error) {
 		IgnoreSeparating: f.IgnoreSeparating,
 		Advance:          f.Advance,
 		AdvanceMode:      f.AdvanceMode,
+		Limits:           f.Limits,
 		Trial:            f.Trial,
 		FromLastFraction: f.FromLastFraction,
 	}

@@ -12,6 +12,11 @@ type Output struct {
 	FrameID uint64
 	// Shortened has how far each mesh, or vertex, went, in a frame with AdvanceMode PerMesh, or PerVertex.
 	Shortened Shortened
+	// Limits has the contacts that limit the way, in a frame with Limits. The whole way would bring each of these pairs nearer than
+	// it may come. They are of the kinds VertexTriangle and EdgeEdge, and have every slice, whatever SceneSpec.Fields says.
+	// Distance is the least that a pair keeps, in the unit of the positions. TOI, in [0, 1], is the fraction of the whole way at
+	// which the pair comes to that distance, and never later than in truth. Weights and Normals are those of TOI.
+	Limits ContactSet
 	// Done has totals and metrics; nil if the frame was refused or skipped.
 	Done *v1.FrameDone
 	// Err is why the frame was refused; the scene is as it was, and a stream goes on.
@@ -19,7 +24,20 @@ type Output struct {
 	// Skipped: a later frame replaced it (LATEST_WINS).
 	Skipped bool
 
-	mode v1.AdvanceMode // of the frame
+	mode      v1.AdvanceMode // of the frame
+	hasLimits bool           // the frame asked for them
+}
+
+func newOutput(frame *v1.Frame) *Output {
+	return &Output{FrameID: frame.FrameId, mode: frame.AdvanceMode, hasLimits: frame.Limits}
+}
+
+// addLimits appends chunks of Limits. DataLoss if the frame did not ask for them.
+func (o *Output) addLimits(chunks ...*v1.ContactChunk) error {
+	if len(chunks) > 0 && !o.hasLimits {
+		return failf(codes.DataLoss, "", "limits has %d chunks, and the frame did not ask for them", len(chunks))
+	}
+	return o.Limits.addLimits(chunks...)
 }
 
 // finish takes the last contacts and the totals.
@@ -27,13 +45,16 @@ func (o *Output) finish(done *v1.FrameDone) error {
 	if err := checkDone(done); err != nil {
 		return err
 	}
-	if err := o.addAll(done.Contacts); err != nil {
+	if err := o.add(fieldContacts, done.Contacts...); err != nil {
+		return err
+	}
+	if err := o.addLimits(done.Limits...); err != nil {
 		return err
 	}
 	if err := o.Shortened.add(done.Shortened); err != nil {
 		return err
 	}
-	done.Contacts, done.Shortened = nil, nil
+	done.Contacts, done.Limits, done.Shortened = nil, nil, nil
 	o.Done = done
 	if o.mode != PerMesh && o.mode != PerVertex {
 		return o.Shortened.checkBelow(0)
@@ -81,25 +102,41 @@ func checkDone(done *v1.FrameDone) error {
 // isFraction is false for NaN.
 func isFraction(value float64) bool { return value >= 0 && value <= 1 }
 
-// check checks the times and distances from the first contact on, and a count that no array confirms.
-func (c *Contacts) check(first int, hasArray bool) error {
+// check checks the times and distances from the first contact on, and a count that no array confirms. field: of the answer.
+func (c *Contacts) check(field string, first int, hasArray bool) error {
 	for i := first; i < len(c.TOI); i++ {
 		if !isFraction(c.TOI[i]) {
-			return failf(codes.DataLoss, "", "contacts.toi has %v; it must be in [0, 1]", c.TOI[i])
+			return failf(codes.DataLoss, "", "%s.toi has %v; it must be in [0, 1]", field, c.TOI[i])
 		}
 	}
 	for i := first; i < len(c.Distance); i++ {
 		if !(c.Distance[i] >= 0) {
-			return failf(codes.DataLoss, "", "contacts.distance has %v; it must be 0 or more", c.Distance[i])
+			return failf(codes.DataLoss, "", "%s.distance has %v; it must be 0 or more", field, c.Distance[i])
 		}
 	}
 	if !hasArray && c.Count > maxBare {
-		return failf(codes.DataLoss, "", "contacts.count is %d in all without any array; it must be at most %d", c.Count, maxBare)
+		return failf(codes.DataLoss, "", "%s.count is %d in all without any array; it must be at most %d", field, c.Count, maxBare)
 	}
 	return nil
 }
 
-// checkIDs checks that the scene has what the contacts and Shortened name. A size of 0 is not known.
+// checkWhole checks that no array is missing.
+func (c *Contacts) checkWhole(field string) error {
+	for _, column := range []struct {
+		name string
+		has  int
+	}{
+		{"elements", len(c.Elements)}, {"stencils", len(c.Stencils)}, {"toi", len(c.TOI)}, {"distance", len(c.Distance)},
+		{"weights", len(c.Weights)}, {"normals", len(c.Normals)}, {"flags", len(c.Flags)},
+	} {
+		if column.has != c.Count {
+			return failf(codes.DataLoss, "", "%s.%s has %d entries for %d contacts", field, column.name, column.has, c.Count)
+		}
+	}
+	return nil
+}
+
+// checkIDs checks that the scene has what the contacts, Limits and Shortened name. A size of 0 is not known.
 func (o *Output) checkIDs(size sceneSize) error {
 	if size.vertices == 0 {
 		return nil
@@ -111,25 +148,32 @@ func (o *Output) checkIDs(size sceneSize) error {
 	if err := o.Shortened.checkBelow(most); err != nil {
 		return err
 	}
+	if err := o.ContactSet.checkIDs(fieldContacts, size); err != nil {
+		return err
+	}
+	return o.Limits.checkIDs(fieldLimits, size)
+}
+
+func (s *ContactSet) checkIDs(field string, size sceneSize) error {
 	for _, each := range []struct {
 		contacts      *Contacts
 		first, second uint64
 	}{
-		{&o.VertexTriangle, size.vertices, size.elements},
-		{&o.EdgeEdge, 3 * size.elements, 3 * size.elements}, // edges at most
-		{&o.TriangleTriangle, size.elements, size.elements},
+		{&s.VertexTriangle, size.vertices, size.elements},
+		{&s.EdgeEdge, 3 * size.elements, 3 * size.elements}, // edges at most
+		{&s.TriangleTriangle, size.elements, size.elements},
 	} {
 		for _, stencil := range each.contacts.Stencils {
 			for _, vertex := range stencil {
 				if uint64(vertex) >= size.vertices {
-					return failf(codes.DataLoss, "", "contacts.stencils names %d; the scene has %d vertices", vertex, size.vertices)
+					return failf(codes.DataLoss, "", "%s.stencils names %d; the scene has %d vertices", field, vertex, size.vertices)
 				}
 			}
 		}
 		for _, pair := range each.contacts.Elements {
 			if uint64(pair[0]) >= each.first || uint64(pair[1]) >= each.second {
-				return failf(codes.DataLoss, "", "contacts.elements names %d and %d; the scene has %d vertices and %d elements",
-					pair[0], pair[1], size.vertices, size.elements)
+				return failf(codes.DataLoss, "", "%s.elements names %d and %d; the scene has %d vertices and %d elements",
+					field, pair[0], pair[1], size.vertices, size.elements)
 			}
 		}
 	}

@@ -354,7 +354,7 @@ func (s *Stream) book(request *v1.StreamFramesRequest, answer chan *Output) erro
 	if frame.FrameId > s.lastID { // else it is refused
 		s.lastID = frame.FrameId
 	}
-	s.inFlight = append(s.inFlight, &inFlight{&Output{FrameID: frame.FrameId, mode: frame.AdvanceMode}, answer})
+	s.inFlight = append(s.inFlight, &inFlight{newOutput(frame), answer})
 	return nil
 }
 
@@ -409,7 +409,9 @@ func (s *Stream) take(response *v1.StreamFramesResponse) error {
 	output := s.inFlight[0].output
 	switch answer := response.Response.(type) {
 	case *v1.StreamFramesResponse_Contacts:
-		return output.add(answer.Contacts)
+		return output.add(fieldContacts, answer.Contacts)
+	case *v1.StreamFramesResponse_Limits:
+		return output.addLimits(answer.Limits)
 	case *v1.StreamFramesResponse_Shortened:
 		return output.Shortened.add(answer.Shortened)
 	case *v1.StreamFramesResponse_Done:

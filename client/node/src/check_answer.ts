@@ -1,6 +1,6 @@
 // These checks guard everything that is computed from an answer: the daemon may be wrong, or another program may answer.
 
-import type { Contacts, ContactsByKind } from "./contacts.js";
+import type { Contacts, ContactsByKind, ContactsField } from "./contacts.js";
 import { Code, CollidedError } from "./errors.js";
 import type { FrameDone } from "./generated/collided/v1/frame.js";
 import type { Scene, SceneSpec } from "./generated/collided/v1/scene.js";
@@ -53,31 +53,42 @@ export function checkTotal(done: FrameDone, { vertexTriangle, edgeEdge, triangle
   if (done.contactCount !== BigInt(came)) throw dataLoss(`done.contact_count is ${done.contactCount}, and ${came} contacts came`);
 }
 
-/** Times and distances of contacts, and a count that no array confirms where they are bare. */
-export function checkNumbers(contacts: Contacts, isBare: boolean): void {
+/** Limits came only if the frame asked for them. */
+export function checkAsked({ vertexTriangle, edgeEdge }: ContactsByKind, isAsked: boolean): void {
+  const came = vertexTriangle.count + edgeEdge.count;
+  if (came > 0 && !isAsked) throw dataLoss(`limits has ${came} contacts, and the frame did not ask for them`);
+}
+
+/** Times and distances of contacts, and a count that no array confirms where they are bare. `of`: the field of the answer. */
+export function checkNumbers(contacts: Contacts, of: ContactsField, isBare: boolean): void {
   const time = contacts.toi.find((toi) => !isFraction(toi));
-  if (time !== undefined) throw dataLoss(`contacts.toi has ${time}; it must be in [0, 1]`);
+  if (time !== undefined) throw dataLoss(`${of}.toi has ${time}; it must be in [0, 1]`);
   const distance = contacts.distance.find((each) => !(each >= 0));
-  if (distance !== undefined) throw dataLoss(`contacts.distance has ${distance}; it must be 0 or more`);
+  if (distance !== undefined) throw dataLoss(`${of}.distance has ${distance}; it must be 0 or more`);
   if (isBare && contacts.count > MOST_BARE) {
-    throw dataLoss(`contacts.count is ${contacts.count} in all without any array; it must be at most ${MOST_BARE}`);
+    throw dataLoss(`${of}.count is ${contacts.count} in all without any array; it must be at most ${MOST_BARE}`);
   }
 }
 
-/** The scene has what the contacts name. A size of 0 is not known. */
-export function checkIds({ vertexTriangle, edgeEdge, triangleTriangle }: ContactsByKind, size: SceneSize): void {
+/** The scene has what a frame's contacts and limits name. A size of 0 is not known. */
+export function checkIds(output: ContactsByKind & { limits: ContactsByKind }, size: SceneSize): void {
   if (size.vertices === 0) return;
-  const { vertices, elements } = size;
-  checkKind(vertexTriangle, size, [vertices, elements]);
-  checkKind(edgeEdge, size, [3 * elements, 3 * elements]); // edges at most
-  checkKind(triangleTriangle, size, [elements, elements]);
+  checkIdsOf(output, size, "contacts");
+  checkIdsOf(output.limits, size, "limits");
 }
 
-function checkKind(contacts: Contacts, { vertices }: SceneSize, limits: [number, number]): void {
+function checkIdsOf({ vertexTriangle, edgeEdge, triangleTriangle }: ContactsByKind, size: SceneSize, of: ContactsField): void {
+  const { vertices, elements } = size;
+  checkKind(vertexTriangle, size, [vertices, elements], of);
+  checkKind(edgeEdge, size, [3 * elements, 3 * elements], of); // edges at most
+  checkKind(triangleTriangle, size, [elements, elements], of);
+}
+
+function checkKind(contacts: Contacts, { vertices }: SceneSize, most: [number, number], of: ContactsField): void {
   const vertex = contacts.stencils.find((each) => each >= vertices);
-  if (vertex !== undefined) throw dataLoss(`contacts.stencils names ${vertex}; the scene has ${vertices} vertices`);
-  const id = contacts.elements.find((each, i) => each >= limits[i % 2]);
-  if (id !== undefined) throw dataLoss(`contacts.elements names ${id}, which the scene does not have`);
+  if (vertex !== undefined) throw dataLoss(`${of}.stencils names ${vertex}; the scene has ${vertices} vertices`);
+  const id = contacts.elements.find((each, i) => each >= most[i % 2]);
+  if (id !== undefined) throw dataLoss(`${of}.elements names ${id}, which the scene does not have`);
 }
 
 /** Not NaN. */

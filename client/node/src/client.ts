@@ -3,7 +3,7 @@
 import { randomBytes } from "node:crypto";
 import { setTimeout as pause } from "node:timers/promises";
 import { type Rules, check, checkValue, finite, string, uint32 } from "./check.js";
-import { MOST_SCENES, checkDone, checkTotal, dataLoss, sceneOf } from "./check_answer.js";
+import { MOST_SCENES, checkAsked, checkDone, checkTotal, dataLoss, sceneOf } from "./check_answer.js";
 import { type ConnectOptions, type Connection, Connector, Limit } from "./connection.js";
 import { OwnDaemon } from "./daemon.js";
 import { Code, CollidedError, invalid } from "./errors.js";
@@ -157,6 +157,7 @@ export class Client {
     const done = checkDone(answer.done);
     const output = new FrameOutput(frameId, answer.contacts, { done });
     checkTotal(done, output);
+    checkAsked(output.limits, request.frame!.limits);
     checkShortened(output.shortened, request.frame!.advanceMode);
     return output;
   }

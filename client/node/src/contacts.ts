@@ -47,19 +47,29 @@ export interface ContactsByKind {
   triangleTriangle: Contacts;
 }
 
+/** The fields of an answer that have contacts, as errors name them. */
+export type ContactsField = "contacts" | "limits";
+
 type Field = Exclude<keyof Contacts, "count" | "length" | typeof Symbol.iterator>;
 
 const ENTRIES: Record<Field, number> = { elements: 2, stencils: 4, toi: 1, distance: 1, weights: 2, normals: 3, flags: 1 };
 const FIELDS = Object.keys(ENTRIES) as Field[];
 
-/** Throws (DATA_LOSS) if an array's length is not what its chunk's count asks for, or a kind is not known. */
-export function contactsOf(chunks: readonly ContactChunk[]): ContactsByKind {
+/**
+ * Joins chunks of a field of the answer, `of`. Throws (DATA_LOSS) if an array's length is not what its chunk's count asks for, or
+ * a kind is not known.
+ */
+export function contactsOf(chunks: readonly ContactChunk[], of: ContactsField = "contacts"): ContactsByKind {
   const known = [ContactKind.VERTEX_TRIANGLE, ContactKind.EDGE_EDGE, ContactKind.TRIANGLE_TRIANGLE];
-  if (chunks.some((chunk) => chunk.count === 0)) throw dataLoss("contacts.count is 0; a chunk has 1 contact or more");
-  if (chunks.some((chunk) => chunk.shared)) throw dataLoss("contacts.shared names shared memory, and there is none over gRPC");
+  if (chunks.some((chunk) => chunk.count === 0)) throw dataLoss(`${of}.count is 0; a chunk has 1 contact or more`);
+  if (chunks.some((chunk) => chunk.shared)) throw dataLoss(`${of}.shared names shared memory, and there is none over gRPC`);
   const stranger = chunks.find((chunk) => !known.includes(chunk.kind));
-  if (stranger) throw dataLoss(`contacts.kind is ${stranger.kind}, which this client does not know`);
-  const ofKind = (kind: ContactKind) => assemble(chunks.filter((chunk) => chunk.kind === kind));
+  if (stranger) throw dataLoss(`${of}.kind is ${stranger.kind}, which this client does not know`);
+  const ofKind = (kind: ContactKind) =>
+    assemble(
+      chunks.filter((chunk) => chunk.kind === kind),
+      of,
+    );
   return {
     vertexTriangle: ofKind(ContactKind.VERTEX_TRIANGLE),
     edgeEdge: ofKind(ContactKind.EDGE_EDGE),
@@ -67,12 +77,25 @@ export function contactsOf(chunks: readonly ContactChunk[]): ContactsByKind {
   };
 }
 
-function assemble(chunks: ContactChunk[]): Contacts {
+/** Joins chunks of contacts that limit a way. Throws (DATA_LOSS) if an array is missing, or a kind limits no way. */
+export function limitsOf(chunks: readonly ContactChunk[]): ContactsByKind {
+  const limits = contactsOf(chunks, "limits");
+  if (limits.triangleTriangle.count > 0) {
+    throw dataLoss("limits.kind is TRIANGLE_TRIANGLE; only a vertex and a triangle, or two edges, limit a way");
+  }
+  for (const contacts of [limits.vertexTriangle, limits.edgeEdge]) {
+    const missing = FIELDS.find((field) => contacts[field].length !== contacts.count * ENTRIES[field]);
+    if (missing) throw dataLoss(`limits.${missing} has ${contacts[missing].length} entries for ${contacts.count} contacts`);
+  }
+  return limits;
+}
+
+function assemble(chunks: ContactChunk[], of: ContactsField): Contacts {
   const count = chunks.reduce((sum, chunk) => sum + chunk.count, 0);
   const array = <T extends ArrayBufferView & { length: number }>(Type: new (buffer: ArrayBuffer) => T, field: Field): T => {
-    const joined = join(Type, whole(chunks, field, Type as unknown as { BYTES_PER_ELEMENT: number }));
+    const joined = join(Type, whole(chunks, field, Type as unknown as { BYTES_PER_ELEMENT: number }, of));
     if (joined.length > 0 && joined.length !== count * ENTRIES[field]) {
-      throw dataLoss(`contacts.${field} has ${joined.length} entries for ${count} contacts`);
+      throw dataLoss(`${of}.${field} has ${joined.length} entries for ${count} contacts`);
     }
     return joined;
   };
@@ -85,7 +108,7 @@ function assemble(chunks: ContactChunk[]): Contacts {
     normals: array(Float32Array, "normals"),
     flags: array(Uint8Array, "flags"),
   });
-  checkNumbers(contacts, FIELDS.every((field) => contacts[field].length === 0));
+  checkNumbers(contacts, of, FIELDS.every((field) => contacts[field].length === 0));
   return contacts;
 }
 
@@ -137,11 +160,16 @@ class ContactArrays implements Contacts {
   }
 }
 
-function whole(chunks: ContactChunk[], field: Field, { BYTES_PER_ELEMENT }: { BYTES_PER_ELEMENT: number }): Uint8Array[] {
+function whole(
+  chunks: ContactChunk[],
+  field: Field,
+  { BYTES_PER_ELEMENT }: { BYTES_PER_ELEMENT: number },
+  of: ContactsField,
+): Uint8Array[] {
   for (const chunk of chunks) {
     const needed = chunk.count * ENTRIES[field] * BYTES_PER_ELEMENT;
     if (chunk[field].length !== 0 && chunk[field].length !== needed) {
-      throw dataLoss(`contacts.${field} has ${chunk[field].length} bytes for ${chunk.count} contacts; it needs ${needed}`);
+      throw dataLoss(`${of}.${field} has ${chunk[field].length} bytes for ${chunk.count} contacts; it needs ${needed}`);
     }
   }
   return chunks.map((chunk) => chunk[field]);

@@ -57,6 +57,8 @@ export interface FrameInput {
   advance?: boolean;
   /** What goes its own fraction of the way, with `advance` alone: the scene, or each mesh, or each vertex (`output.shortened`). */
   advanceMode?: AdvanceMode;
+  /** Answer with the contacts that limit the way, too, with `advance` alone: `output.limits`. */
+  limits?: boolean;
   /** Answer, and leave the scene as it was. */
   trial?: boolean;
   /** Begin this far along the way of the last frame, in [0, 1]. */
@@ -74,6 +76,7 @@ const FRAME: Rules<FrameInput> = {
   ignoreSeparating: boolean,
   advance: boolean,
   advanceMode: oneOf({ AdvanceMode }),
+  limits: boolean,
   trial: boolean,
   fromLastFraction: finite,
   edit: anything,

@@ -1,7 +1,7 @@
 // The daemon's answer to one frame.
 
 import { checkDone } from "./check_answer.js";
-import { type Contacts, type ContactsByKind, contactsOf } from "./contacts.js";
+import { type Contacts, type ContactsByKind, contactsOf, limitsOf } from "./contacts.js";
 import { Code, CollidedError } from "./errors.js";
 import type { ContactChunk } from "./generated/collided/v1/contact.js";
 import type { FrameDone, ShortenedWays } from "./generated/collided/v1/frame.js";
@@ -20,6 +20,13 @@ export class FrameOutput implements ContactsByKind {
   readonly triangleTriangle: Contacts;
   /** How far each mesh, or vertex, went, in a frame with `advanceMode` PER_MESH, or PER_VERTEX. */
   readonly shortened: Shortened;
+  /**
+   * Contacts that limit the way, in a frame with `limits`. The whole way would bring each of these pairs nearer than it may come.
+   * They are vertex-triangle and edge-edge, and have every array, whatever the scene's fields are. `distance` is the least that a
+   * pair keeps, in the unit of the positions. `toi`, in [0, 1], is the fraction of the whole way at which the pair comes to that
+   * distance, and never later than in truth. `weights` and `normals` are those of `toi`.
+   */
+  readonly limits: ContactsByKind;
   /** The frame was refused, and the scene is as it was; a stream goes on. */
   readonly error: CollidedError | undefined;
   /** A later frame replaced it (LATEST_WINS). */
@@ -31,6 +38,7 @@ export class FrameOutput implements ContactsByKind {
     chunks: readonly ContactChunk[],
     { done, error }: FrameEnd,
     ways: readonly ShortenedWays[] = [],
+    limits: readonly ContactChunk[] = [],
   ) {
     ({
       vertexTriangle: this.vertexTriangle,
@@ -38,10 +46,11 @@ export class FrameOutput implements ContactsByKind {
       triangleTriangle: this.triangleTriangle,
     } = contactsOf([...chunks, ...(done?.contacts ?? [])]));
     this.shortened = shortenedOf(done?.shortened ? [...ways, done.shortened] : ways);
+    this.limits = limitsOf([...limits, ...(done?.limits ?? [])]);
     if (done) checkDone(done);
     this.error = error;
     this.skipped = !done && !error;
-    this.#done = done && { ...done, contacts: [], shortened: undefined };
+    this.#done = done && { ...done, contacts: [], limits: [], shortened: undefined };
   }
 
   /** Totals and metrics. Throws if the frame was refused or skipped. */

@@ -2,7 +2,7 @@
 
 import type { ClientDuplexStream } from "@grpc/grpc-js";
 import { type Rules, check, oneOf, string, uint32 } from "./check.js";
-import { MOST_FRAMES, checkIds, checkTotal, dataLoss, sceneOf, sizeOf } from "./check_answer.js";
+import { MOST_FRAMES, checkAsked, checkIds, checkTotal, dataLoss, sceneOf, sizeOf } from "./check_answer.js";
 import { type Connection, endOf, onceLate } from "./connection.js";
 import { Code, CollidedError, errorOfFrame } from "./errors.js";
 import { type FrameInput, frameIdOf, frameMessage } from "./frame.js";
@@ -43,6 +43,8 @@ interface Unanswered extends Taker {
   chunks: ContactChunk[];
   ways: ShortenedWays[];
   mode: AdvanceMode;
+  limits: ContactChunk[];
+  hasLimits: boolean;
 }
 
 /** Outputs come in the order of the frames. The stream has its own connection, and reads answers as they come. */
@@ -207,7 +209,8 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     if (this.#end || this.#isFinishing) throw this.#whyEnded();
     if (input?.edit) this.#hasEdits = true;
     if (id > this.#lastId) this.#lastId = id; // else it is refused
-    this.#unanswered.push({ id, chunks: [], ways: [], mode: input?.advanceMode ?? AdvanceMode.UNSPECIFIED, ...taker });
+    const asked = { mode: input?.advanceMode ?? AdvanceMode.UNSPECIFIED, hasLimits: input?.limits ?? false };
+    this.#unanswered.push({ id, chunks: [], ways: [], limits: [], ...asked, ...taker });
     this.#unsent += 1;
     if (this.#credits > 0) this.#credits -= 1;
     else await new Promise<void>((resolve) => this.#awaitingCredit.push(resolve));
@@ -237,6 +240,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
       if (response?.$case === "draining") this.#drainsAt = performance.now() + 1000 * response.value.deadlineSeconds;
       if (response?.$case === "contacts") this.#oldest(frameId).chunks.push(response.value);
       if (response?.$case === "shortened") this.#oldest(frameId).ways.push(response.value);
+      if (response?.$case === "limits") this.#oldest(frameId).limits.push(response.value);
       if (response?.$case === "done") this.#complete(frameId, { done: response.value });
       if (response?.$case === "error") this.#complete(frameId, { error: errorOfFrame(response.value) });
       if (response?.$case === "skipped" && this.#maySkip) return this.#complete(frameId, {});
@@ -256,9 +260,10 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   }
 
   #complete(frameId: bigint, end: FrameEnd): void {
-    const { chunks, ways, mode, give } = this.#oldest(frameId);
-    const output = new FrameOutput(frameId, chunks, end, ways);
+    const { chunks, ways, mode, limits, hasLimits, give } = this.#oldest(frameId);
+    const output = new FrameOutput(frameId, chunks, end, ways, limits);
     if (end.done) checkTotal(end.done, output);
+    checkAsked(output.limits, hasLimits);
     checkShortened(output.shortened, mode, this.#hasEdits ? undefined : this.#size);
     if (!this.#hasEdits) checkIds(output, this.#size);
     this.#unanswered.shift();

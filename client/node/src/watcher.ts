@@ -3,7 +3,7 @@
 import type { ClientReadableStream } from "@grpc/grpc-js";
 import { shownBytes, unpackShown } from "./arrays.js";
 import { type Rules, check, finite, listOf, uint32 } from "./check.js";
-import { checkIds, dataLoss, sizeOf } from "./check_answer.js";
+import { checkAsked, checkIds, dataLoss, sizeOf } from "./check_answer.js";
 import { type Connection, endOf, onceLate } from "./connection.js";
 import { Code, CollidedError } from "./errors.js";
 import { type WatchOpened, WatchSceneRequest, type WatchSceneResponse } from "./generated/collided/v1/collision_service.js";
@@ -140,7 +140,8 @@ export class Watcher implements AsyncIterable<WatchedFrame> {
     if (response?.event?.$case === "done") {
       checkSamples(response, this.scene);
       const frame = new WatchedFrame(response, response.event.value, this.scene.spec!.positionFormat);
-      checkShortened(frame.shortened, AdvanceMode.UNSPECIFIED); // none are shown
+      checkAsked(frame.limits, false); // none are shown
+      checkShortened(frame.shortened, AdvanceMode.UNSPECIFIED); // nor these
       if (frame.editCount === this.scene.editCount) checkIds(frame, sizeOf(this.scene.spec));
       return frame;
     }

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from collided.callers import warn
 from collided.contacts.answer import Answer
 from collided.contacts.checks import check_done, check_total
-from collided.contacts.columns import Part, read_chunk
+from collided.contacts.columns import Part, read_chunk, read_limits
 from collided.contacts.contacts import Contacts
 from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, NotFound, ResourceExhausted, Unavailable,
                              Unimplemented, error_of_frame)
@@ -45,6 +45,7 @@ class _Pending:
     request: Request
     wire_id: int = 0
     parts: list[Part] = field(default_factory=list)
+    limits: list[Part] = field(default_factory=list)
     shortened: list[frame_pb2.ShortenedWays] = field(default_factory=list)
     response: api.StreamFramesResponse | None = None
 
@@ -62,7 +63,8 @@ class Stream:
         self._transport: Transport | None = None
         self._pending: deque[_Pending] = deque()
         self._has_answered = False  # the current transport
-        self._kinds = {"contacts", "shortened", "done", "error"} | ({"skipped"} if options.delivery == _LATEST_WINS else set())
+        self._kinds = {"contacts", "limits", "shortened", "done", "error"} | (
+            {"skipped"} if options.delivery == _LATEST_WINS else set())
         self._unused: set[str] = set()  # options that were warned of
         self._failure: Error | None = None  # why no other one will be opened
         self.ready: deque[Contacts | Error] = deque()
@@ -275,6 +277,7 @@ class Stream:
         self._scene.client.check_known(request.head, "frame")
         pending.wire_id = self._track.next_id()
         pending.parts.clear()
+        pending.limits.clear()
         pending.shortened.clear()
         request.updates, request.way = self._transport.send(pending.wire_id, request.head, request.updates), None
         if pending is self._pending[0]:
@@ -297,12 +300,17 @@ class Stream:
         if kind == "contacts":
             pending.parts.append(read_chunk(response.contacts, self._transport.shared))
             return
+        if kind == "limits":
+            pending.limits += read_limits([response.limits], pending.request.head.limits, self._transport.shared)
+            return
         if kind == "shortened":
             pending.shortened.append(response.shortened)
             return
-        if kind == "done" and (chunks := response.done.contacts):
-            pending.parts += [read_chunk(chunk, self._transport.shared) for chunk in chunks]
-            del chunks[:]
+        if kind == "done":
+            done = response.done
+            pending.parts += [read_chunk(chunk, self._transport.shared) for chunk in done.contacts]
+            pending.limits += read_limits(done.limits, pending.request.head.limits, self._transport.shared)
+            del done.contacts[:], done.limits[:]
         pending.response = response
         self._hand_on(pending, response)
 
@@ -331,7 +339,8 @@ class Stream:
         self._warn_of_unused(done.metrics.unused_options)
         advance = read_advance(head, done, pending.shortened, self._track.layout_of(pending.request))
         way = self._track.apply(pending.request, advance, pending.wire_id)
-        answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head), advance=advance)
+        answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head), advance=advance,
+                        limits=pending.limits)
         return Contacts.of_parts(answer, pending.parts)
 
     def _warn_of_unused(self, options: Iterable[str]) -> None:

@@ -12,6 +12,7 @@ from collided.arrays import OneLine
 from collided.connection.channel import metadata
 from collided.connection.client import Client
 from collided.contacts.answer import Answer
+from collided.contacts.checks import check_limits
 from collided.contacts.columns import read_chunk
 from collided.contacts.contacts import Contacts
 from collided.errors import Cancelled, DataLoss, DeadlineExceeded, NotFound
@@ -89,6 +90,7 @@ class Watcher:
             raise DataLoss("a message of the watch is neither `opened` nor a frame")
         if message.edit_count != self.scene.edit_count:
             self._see(self._client.get_scene(self._scene_id))
+        check_limits(message.done.limits, are_asked=False)  # none are shown
         parts = [read_chunk(chunk) for chunk in message.done.contacts]
         del message.done.contacts[:]
         answer = Answer(message.frame_id, message.frame_id, message.done, self._layout, None, False,

@@ -68,7 +68,8 @@ void run_limits(Client& client, milliseconds patience) {
   stream.send(1, updates());
   within(stream.receive_within(patience));
   stream.send(2, updates(), {.advance = true, .limits = true});
-  if (within(stream.receive_within(patience)).limits.vertex_triangle.count != 3)
+  const auto limits = within(stream.receive_within(patience)).limits;
+  if (limits.vertex_triangle.toi != std::vector{0.5} || limits.edge_edge.toi != std::vector{0.75})
     throw std::logic_error("not the limits that came");
   stream.finish();
 }
@@ -112,7 +113,7 @@ void run_scenario(const std::string& scenario, const std::string& address, const
   if (scenario == "session") return run_session(address, connect);
   Client client = Client::connect(address, connect);
   if (scenario == "limits") run_limits(client, connect.deadline);
-  if (scenario == "stream" || scenario == "unasked_limits") run_stream(client, connect.deadline, Local::kOff);
+  if (scenario == "stream") run_stream(client, connect.deadline, Local::kOff);
   if (scenario == "local") run_stream(client, connect.deadline, Local::kOn);
   if (scenario == "large") run_large(client, connect.deadline);
   if (scenario == "set") run_set(client, connect.deadline);

@@ -25,7 +25,7 @@ var (
 	updates   = []collided.Update{{Mesh: 0, Positions: floor}, {Mesh: 1, Positions: tip}}
 	ctx       = context.Background()
 	scenarios = map[string]func(*collided.Client) error{
-		"stream": stream, "advance": advance, "session": session, "call": call, "watch": watch, "mesh": mesh, "list": list}
+		"stream": stream, "advance": advance, "limits": limits, "session": session, "call": call, "watch": watch, "mesh": mesh, "list": list}
 )
 
 func spec() *collided.SceneSpec {
@@ -89,6 +89,30 @@ func advance(client *collided.Client) error {
 	done, shortened := output.Done, output.Shortened
 	has := fmt.Sprint(done.GetAdvanced(), done.GetWay(), shortened.IDs, shortened.Fractions, x[0][2], x[1][2], x[2][2])
 	if has != "0.25 0.75 [3 4] [0.25 0.5] 0.5 8 7" {
+		return errors.New(has)
+	}
+	return stream.Finish(ctx)
+}
+
+func limits(client *collided.Client) error {
+	scene, err := client.CreateScene(ctx, spec(), meshes, 0)
+	if err != nil {
+		return err
+	}
+	stream, err := client.Stream(ctx, scene, collided.StreamOptions{})
+	if err != nil {
+		return err
+	}
+	defer stream.Close()
+	if _, err := stream.Detect(ctx, collided.Frame{Updates: updates}); err != nil {
+		return err
+	}
+	output, err := stream.Detect(ctx, collided.Frame{Advance: true, Limits: true, Updates: updates})
+	if err != nil {
+		return err
+	}
+	vertices, edges := output.Limits.VertexTriangle, output.Limits.EdgeEdge
+	if has := fmt.Sprint(vertices.Elements, vertices.TOI, edges.Elements, edges.TOI); has != "[[3 0]] [0.5] [[0 3]] [0.75]" {
 		return errors.New(has)
 	}
 	return stream.Finish(ctx)

@@ -60,6 +60,18 @@ const SCENARIOS = {
       stream.cancel();
     }
   },
+  async limits(client) {
+    const stream = await client.stream(await client.createScene(INPUT));
+    try {
+      await stream.detect(FRAME);
+      const { limits } = await stream.detect({ ...FRAME, advance: true, limits: true });
+      const has = JSON.stringify([limits.vertexTriangle, limits.edgeEdge].map(({ elements, toi }) => [...elements, ...toi]));
+      if (has !== "[[3,0,0.5],[0,3,0.75]]") throw new Error(has);
+      await stream.finish();
+    } finally {
+      stream.cancel();
+    }
+  },
   async session(client) {
     const session = await client.session(INPUT, { restore: () => FRAME.updates, giveUpSeconds: SECONDS });
     try {

@@ -43,6 +43,13 @@ def advance(client):
         assert gone[:, 2].tolist() == session.positions["tip"][:, 2].tolist() == [0.5, 8, 7]
 
 
+def limits(client):
+    with collided.Session(meshes(), server=client, transport="grpc", reconnect_seconds=SECONDS) as session:
+        session.step({"floor": FLOOR, "tip": TIP})
+        limits = session.step({"tip": TIP - np.float32([0, 0, 2])}, advance=True, limits=True).limits
+        assert (limits.elements.tolist(), limits.toi.tolist(), limits.meshes.tolist()) == ([[3, 0], [0, 3]], [0.5, 0.75], [[1, 0], [0, 1]])
+
+
 def timeouts(client):
     """The last error, if none took much longer than the call's timeout, which is far below the client's deadline."""
     client = collided.Client(client.address, token=client.options.token)
@@ -77,7 +84,7 @@ def mesh(client):
     client.get_mesh(scene.scene_id, 0)
 
 
-SCENARIOS = {"stream": stream, "advance": advance, "call": lambda client: stream(client, "calls"), "watch": watch,
+SCENARIOS = {"stream": stream, "advance": advance, "limits": limits, "call": lambda client: stream(client, "calls"), "watch": watch,
              "timeouts": timeouts, "set": batch, "local": lambda client: stream(client, "shared_memory"), "mesh": mesh,
              "list": lambda client: client.scenes()}
 

@@ -34,6 +34,12 @@ def hit(**changes):
         "weights": unpacked(2, 0.25, 0.25, kind="d"), "normals": unpacked(3, 0, 0, 1, kind="f"), "flags": b"\1", **changes})
 
 
+def edge_hit(**changes):
+    """Edges 0 and 3, as a chunk of one."""
+    changes = {"kind": contact_pb2.CONTACT_KIND_EDGE_EDGE, "elements": unpacked(2, 0, 3), "stencils": unpacked(4, 0, 1, 3, 4), **changes}
+    return hit(**changes)
+
+
 def answer(frame_id, chunk=None, **changes):
     done = frame_pb2.FrameDone(**{"contact_count": 1, "earliest_toi": 0.5, "any_contact": True, **changes})
     done.contacts.append(chunk or hit())
@@ -45,9 +51,10 @@ def mesh_page(first, **changes):
 
 
 class Honest:
-    """Behaves well. scenarios: the names of what a client does with it. expected: the codes with which that may end."""
+    """Behaves well. scenarios: the names of what a client does with it. expected: the codes with which that may end. says: what the
+    error's message has."""
 
-    scenarios, expected = ("stream", "session", "call", "watch", "mesh", "list"), {"ok"}
+    scenarios, expected, says = ("stream", "session", "call", "watch", "mesh", "list"), {"ok"}, ""
 
     def __init_subclass__(cls):
         if not cls.__name__.startswith("Of"):  # what several have in common
@@ -171,6 +178,11 @@ class WayThatIsNone(OfStream):
 
 class ShortenedWithoutAdvance(OfStream):
     changes = {"shortened": frame_pb2.ShortenedWays(ids=unpacked(1, 3), fractions=unpacked(1, 0.5, kind="d"))}
+
+
+class LimitsThatNobodyAskedFor(OfStream):
+    says = "limits"
+    changes = {"advanced": 0.5, "limits": [hit()]}
 
 
 class SharedWithoutMemory(OfStream):
@@ -477,10 +489,10 @@ class ShortenedWithoutFractions(OfAdvances):
 
 
 class OfLimits(Honest):
-    """Answers a frame that advances and asks for limits. limits: of each message, as chunks; those of the last are `done`'s."""
+    """Answers a frame that advances and asks for limits. limits: what each message says limits the way; the last one is in `done`."""
 
     scenarios, expected = ("limits",), {LOST}
-    limits = ((hit(),), (hit(), hit()))
+    limits = (hit(), edge_hit(toi=unpacked(1, 0.75, kind="d")))
 
     def info(self, info):
         info.features.append("collided.v1.Frame.limits")
@@ -489,11 +501,9 @@ class OfLimits(Honest):
     def frame(self, frame_id):
         if frame_id == 1:
             return (yield answer(frame_id))
-        *messages, last = self.limits
-        for chunks in messages:
-            for chunk in chunks:
-                yield api.StreamFramesResponse(frame_id=frame_id, limits=chunk)
-        yield answer(frame_id, advanced=0.25, way=0.75, limits=last)
+        for message in self.limits[:-1]:
+            yield api.StreamFramesResponse(frame_id=frame_id, limits=message)
+        yield answer(frame_id, advanced=0.25, way=0.75, limits=self.limits[-1:])
 
 
 class HonestLimits(OfLimits):
@@ -501,31 +511,67 @@ class HonestLimits(OfLimits):
 
 
 class LimitsOfAnOlderDaemon(OfLimits):
-    expected = {"UNIMPLEMENTED"}
+    expected, says = {"UNIMPLEMENTED"}, "frame.limits"
 
     def info(self, info):
         return info
 
 
-class LimitsUnknownVertex(OfLimits):
-    limits = ((hit(elements=unpacked(2, 6, 0), stencils=unpacked(4, 6, 0, 1, 2)),), ())
-
-
-class LimitsWithoutNormals(OfLimits):
-    limits = ((), (hit(normals=b""),))
+class LimitsOfHugeCount(OfLimits):
+    says = "limits."
+    limits = (hit(), edge_hit(count=MOST))
 
 
 class LimitsOfNoCount(OfLimits):
-    limits = ((hit(count=0),), ())
+    says = "limits.count"
+    limits = (hit(), edge_hit(count=0))
 
 
-class LimitsAfterTheWay(OfLimits):
-    limits = ((hit(toi=unpacked(1, 1.5, kind="d")),), ())
+class LimitsWithoutNormals(OfLimits):
+    """Limits have every array."""
+
+    says = "limits.normals"
+    limits = (hit(), edge_hit(normals=b""))
 
 
-class LimitsNobodyAskedFor(OfStream):
-    scenarios = ("unasked_limits",)
-    changes = {"limits": [hit()]}
+class LimitsWithoutFlags(OfLimits):
+    says = "limits.flags"
+    limits = (hit(flags=b""), edge_hit())
+
+
+class LimitsOfShortWeights(OfLimits):
+    says = "limits.weights"
+    limits = (hit(weights=bytes(8)), edge_hit())
+
+
+class LimitsOfTriangles(OfLimits):
+    says = "limits.kind"
+    limits = (hit(), edge_hit(kind=contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, elements=unpacked(2, 0, 1)))
+
+
+class LimitsOfUnknownKind(OfLimits):
+    says = "limits.kind"
+    limits = (hit(kind=77), edge_hit())
+
+
+class LimitsOfUnknownVertex(OfLimits):
+    says = "limits.stencils"
+    limits = (hit(stencils=unpacked(4, 3, 0, 1, MOST)), edge_hit())
+
+
+class LimitsOfUnknownEdge(OfLimits):
+    says = "limits.elements"
+    limits = (hit(), edge_hit(elements=unpacked(2, 0, 6)))
+
+
+class LimitsAtATimeThatIsNone(OfLimits):
+    says = "limits.toi"
+    limits = (hit(toi=unpacked(1, float("nan"), kind="d")), edge_hit())
+
+
+class LimitsAtADistanceThatIsNone(OfLimits):
+    says = "limits.distance"
+    limits = (hit(distance=unpacked(1, -1.0, kind="d")), edge_hit())
 
 
 # Pages.
@@ -596,6 +642,16 @@ class WatchOfHugeCount(WatchOfAnotherType):
     def watch(self, scene, is_active):
         yield api.WatchSceneResponse(opened=api.WatchOpened(scene=scene))
         yield api.WatchSceneResponse(frame_id=1, done=answer(1, hit(**self.chunk)).done)
+
+
+class WatchOfLimits(WatchOfAnotherType):
+    """Watchers are shown none."""
+
+    says = "limits"
+
+    def watch(self, scene, is_active):
+        yield api.WatchSceneResponse(opened=api.WatchOpened(scene=scene))
+        yield api.WatchSceneResponse(frame_id=1, done=answer(1, advanced=0.5, limits=[hit()]).done)
 
 
 class WatchOfUnknownVertex(WatchOfHugeCount):

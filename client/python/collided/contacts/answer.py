@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from collided.contacts.columns import Part
 from collided.frames.advance import Advance
 from collided.frames.state import State, Way
 from collided.layout import Layout
@@ -16,7 +17,8 @@ from collided.v1 import frame_pb2
 @dataclass(eq=False)
 class Answer:
     """The end of a frame. way: None where the client does not know the positions, as of a frame that it watches. has_layout:
-    the layout is the frame's, and not that of a later edit. advance: how far meshes went; None where they went all of their ways."""
+    the layout is the frame's, and not that of a later edit. advance: how far meshes went; None where they went all of their ways.
+    limits: contacts that limit the way."""
 
     frame_id: int
     wire_id: int
@@ -27,6 +29,7 @@ class Answer:
     is_skipped: bool = False
     has_layout: bool = True
     advance: Advance | None = None
+    limits: list[Part] = field(default_factory=list)
 
     @cached_property
     def starts(self) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,15 +15,25 @@ if TYPE_CHECKING:
     from collided.contacts.columns import Part
     from collided.layout import Layout
 
+CONTACTS, LIMITS = "contacts", "limits"  # fields of a frame's answer that hold contacts
 _MOST_BARE = 1 << 24  # contacts of a chunk without any array, whose number nothing else confirms
 
 
-def check_chunk(chunk: contact_pb2.ContactChunk) -> None:
-    """The kind. Raises DataLoss."""
+def check_chunk(chunk: contact_pb2.ContactChunk, field: str = CONTACTS) -> None:
+    """Checks the kind and the count of a chunk of `field`. Raises DataLoss."""
     if chunk.kind not in KINDS:
-        raise DataLoss(f"contacts.kind is {chunk.kind}, which this client does not know")
+        raise DataLoss(f"{field}.kind is {chunk.kind}, which this client does not know")
     if not chunk.count:
-        raise DataLoss("contacts.count is 0; a chunk has 1 contact or more")
+        raise DataLoss(f"{field}.count is 0; a chunk has 1 contact or more")
+
+
+def check_limits(chunks: Sequence[contact_pb2.ContactChunk], are_asked: bool) -> None:
+    """Checks that chunks of limits were asked for, and are of kinds that limit a way. Raises DataLoss."""
+    if chunks and not are_asked:
+        raise DataLoss(f"limits has {len(chunks)} chunks, and the frame did not ask for them")
+    for chunk in chunks:
+        if chunk.kind == contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE:
+            raise DataLoss("limits.kind is that of two triangles; only a vertex and a triangle, or two edges, limit a way")
 
 
 def check_done(done: frame_pb2.FrameDone) -> None:
@@ -40,30 +51,30 @@ def check_total(done: frame_pb2.FrameDone, parts: list[Part]) -> None:
         raise DataLoss(f"done.contact_count is {done.contact_count}, and {came} contacts came")
 
 
-def check_part(part: Part, layout: Layout) -> None:
-    """Times and ids of contacts. Raises DataLoss."""
+def check_part(part: Part, layout: Layout, field: str = CONTACTS) -> None:
+    """Checks times, distances and ids of contacts of `field`. Raises DataLoss."""
     arrays = part.arrays
     if not arrays and part.count > _MOST_BARE:
-        raise DataLoss(f"contacts.count is {part.count} without any array; it must be at most {_MOST_BARE}")
+        raise DataLoss(f"{field}.count is {part.count} without any array; it must be at most {_MOST_BARE}")
     toi = arrays.get("toi")
     if toi is not None and not (toi.min() >= 0 and toi.max() <= 1):
-        raise DataLoss("contacts.toi has a time that is not in [0, 1]")
+        raise DataLoss(f"{field}.toi has a time that is not in [0, 1]")
     distance = arrays.get("distance")
     if distance is not None and not distance.min() >= 0:
-        raise DataLoss("contacts.distance has a distance that is not 0 or more")
+        raise DataLoss(f"{field}.distance has a distance that is not 0 or more")
     if (stencils := arrays.get("stencils")) is not None:
-        _check_ids("stencils", stencils, int(layout.vertex_offsets[-1]), "vertices")
+        _check_ids(f"{field}.stencils", stencils, int(layout.vertex_offsets[-1]), "vertices")
     if (elements := arrays.get("elements")) is not None:
-        count = int(layout.element_offsets[-1])
+        name, count = f"{field}.elements", int(layout.element_offsets[-1])
         if part.kind == contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE:
-            _check_ids("elements", elements[:, 0], int(layout.vertex_offsets[-1]), "vertices")
-            _check_ids("elements", elements[:, 1], count, "elements")
+            _check_ids(name, elements[:, 0], int(layout.vertex_offsets[-1]), "vertices")
+            _check_ids(name, elements[:, 1], count, "elements")
         elif part.kind == contact_pb2.CONTACT_KIND_EDGE_EDGE:
-            _check_ids("elements", elements, 3 * count, "edges at most")
+            _check_ids(name, elements, 3 * count, "edges at most")
         else:
-            _check_ids("elements", elements, count, "elements")
+            _check_ids(name, elements, count, "elements")
 
 
 def _check_ids(name: str, ids: np.ndarray, count: int, of_what: str) -> None:
     if (largest := int(ids.max())) >= count:
-        raise DataLoss(f"contacts.{name} names {largest}; the scene has {count} {of_what}")
+        raise DataLoss(f"{name} names {largest}; the scene has {count} {of_what}")

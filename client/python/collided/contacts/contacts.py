@@ -11,7 +11,7 @@ import numpy as np
 
 from collided.columns import COLUMNS, HasColumns
 from collided.contacts.answer import Answer
-from collided.contacts.checks import check_done, check_part
+from collided.contacts.checks import LIMITS, check_done, check_part
 from collided.contacts.columns import Part, joined
 from collided.contacts.geometry import closest_points, meshes_of
 from collided.contacts.tables import dataframe, records
@@ -53,7 +53,12 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
         check_done(answer.done)
         for part in parts if answer.has_layout else ():
             check_part(part, answer.layout)
+        for part in answer.limits:
+            check_part(part, answer.layout, LIMITS)
+        return Contacts._of_checked(answer, parts)
 
+    @staticmethod
+    def _of_checked(answer: Answer, parts: list[Part]) -> Contacts:
         def column(name: str) -> np.ndarray | None:
             if name == "kinds":
                 return np.concatenate([np.empty(0, "u1"), *(np.full(part.count, part.kind, "u1") for part in parts)])
@@ -115,6 +120,16 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
                                      field="advance")
         index = self.answer.layout.index(mesh)
         return np.full(self.answer.layout.mesh(index).vertex_count, self.answer.advance.fraction(index))
+
+    @cached_property
+    def limits(self) -> Contacts:
+        """Contacts that limit the way, in a frame with `limits=True`; else none. A selection of contacts has those of the whole frame.
+
+        The whole way would bring each of these pairs nearer than it may come. They are vertex-triangle and edge-edge, in canonical order,
+        and have every column, whatever the scene's fields are. `distance` is the least that a pair keeps, in the unit of the positions.
+        `toi`, in [0, 1], is the fraction of the whole way at which the pair comes to that distance, and never later than in truth.
+        Weights, normals and points are those of `toi`."""
+        return Contacts._of_checked(self.answer, self.answer.limits)
 
     @property
     def metrics(self) -> metrics_pb2.FrameMetrics:

@@ -36,7 +36,7 @@ def closest_points(contacts: Contacts) -> tuple[np.ndarray, np.ndarray]:
     """The formula of proto/CONVENTIONS.md, "Points"."""
     answer = contacts.answer
     if answer.way is None:
-        raise FailedPrecondition("a frame that is watched has no positions that points could be computed from")
+        raise FailedPrecondition("a frame that is watched, or of a DeviceSession, has no positions that points could be computed from")
     pairs = contacts.kinds == contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE
     if pairs.all():
         return np.full((len(contacts), 3), np.nan), np.full((len(contacts), 3), np.nan)

@@ -21,6 +21,7 @@ class FrameOptions(TypedDict, total=False):
     ignore_separating: leave features that rest on each other out of `earliest_toi` and the reports of one contact.
     advance: go only as far towards the positions as is certified; `Contacts.advanced` tells how far. True or "all_or_one": the
         scene goes one fraction of the way; "per_mesh": each mesh its own; "per_vertex": each vertex, but rigid meshes as a whole.
+    limits: with `advance`, answer with the contacts that limit the way, too: `Contacts.limits`.
     trial: answer, and leave the scene where it was.
     from_last_fraction: begin so far along the way of the last frame, in [0, 1].
     edit: changes of what the scene is made of.
@@ -32,6 +33,7 @@ class FrameOptions(TypedDict, total=False):
     report: str | None
     ignore_separating: bool
     advance: bool | str
+    limits: bool
     trial: bool
     from_last_fraction: float | None
     edit: Edit | None
@@ -69,7 +71,8 @@ def frame_head(options: FrameOptions) -> frame_pb2.Frame:
         mode=choice(scene_pb2.DetectionMode, "DETECTION_MODE_", options.get("mode"), "mode"),
         accuracy=choice(scene_pb2.Accuracy, "ACCURACY_", options.get("accuracy"), "accuracy"),
         report=choice(scene_pb2.Report, "REPORT_", options.get("report"), "report"),
-        ignore_separating=_flag(options, "ignore_separating"), trial=_flag(options, "trial"), **_advance(options.get("advance")))
+        ignore_separating=_flag(options, "ignore_separating"), limits=_flag(options, "limits"), trial=_flag(options, "trial"),
+        **_advance(options.get("advance")))
     delta, fraction = options.get("delta"), options.get("from_last_fraction")
     if delta is not None:
         check_length(delta, "delta")

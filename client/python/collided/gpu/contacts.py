@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Optional
 
 from collided.columns import COLUMNS, HasColumns
+from collided.contacts import Contacts
 from collided.contacts.columns import Part, read_chunk
 from collided.errors import DataLoss
 from collided.frames.advance import Shortened
@@ -35,7 +36,7 @@ class DeviceContacts(HasKinds[KindOnDevice]):
     """A frame's contacts: the first of each kind on the device, valid until as many more frames were sent as the window has.
 
     on_host: those that had no room there, after them, in the same order; `output_bytes` makes room.
-    shortened: as of `Contacts`, in host memory.
+    shortened, limits: as of `Contacts`, in host memory; `limits` is there once the frame is answered, and has no `points`.
     """
 
     frame_id: int
@@ -43,6 +44,7 @@ class DeviceContacts(HasKinds[KindOnDevice]):
     on_host: list[Part] = field(default_factory=list)
     done: frame_pb2.FrameDone = field(default_factory=frame_pb2.FrameDone)
     shortened: Shortened = Shortened()
+    limits: Contacts = field(init=False)
 
     def add(self, chunk: contact_pb2.ContactChunk, memory: OutputMemory) -> None:
         """A chunk of the daemon's."""

@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any, Unpack, cast
 
 import collided.leftovers as leftovers
-from collided.contacts.checks import check_done
+from collided.contacts import Contacts
+from collided.contacts.answer import Answer
+from collided.contacts.columns import Part, read_limits
 from collided.errors import DataLoss, FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
 from collided.frames.advance import read_advance
 from collided.frames.options import FrameOptions
@@ -39,6 +41,7 @@ class _Pending:
     head: frame_pb2.Frame
     edited: Layout | None
     shortened: list[frame_pb2.ShortenedWays] = field(default_factory=list)
+    limits: list[Part] = field(default_factory=list)
 
 
 class DeviceSession:
@@ -141,28 +144,32 @@ class DeviceSession:
             kind = response.WhichOneof("response") if response is not None else None
             if response is None or kind in (None, "draining"):
                 continue
-            if response.frame_id != pending.wire_id or kind not in ("contacts", "shortened", "done", "error"):
+            if response.frame_id != pending.wire_id or kind not in ("contacts", "limits", "shortened", "done", "error"):
                 raise DataLoss(f"the daemon answers frame {response.frame_id} with {kind!r} instead of frame {pending.wire_id}")
             if kind == "contacts":
                 contacts.add(response.contacts, self._memory)
                 continue
+            if kind == "limits":
+                pending.limits += read_limits([response.limits], pending.head.limits)
+                continue
             if kind == "shortened":
                 pending.shortened.append(response.shortened)
                 continue
-            if kind == "done":
-                check_done(response.done)
             self._pending.popleft()
             if kind == "error":
                 raise error_of_frame(response.error, contacts.frame_id)
-            for chunk in response.done.contacts:
+            done, layout = response.done, pending.edited or self._answered_layout
+            for chunk in done.contacts:
                 contacts.add(chunk, self._memory)
-            del response.done.contacts[:]
-            contacts.done = response.done
-            advance = read_advance(pending.head, response.done, pending.shortened, pending.edited or self._answered_layout)
+            pending.limits += read_limits(done.limits, pending.head.limits)
+            del done.contacts[:], done.limits[:]
+            advance = read_advance(pending.head, done, pending.shortened, layout)
+            answer = Answer(contacts.frame_id, pending.wire_id, done, layout, None, True, advance=advance, limits=pending.limits)
+            contacts.done, contacts.limits = done, Contacts.of_parts(answer, []).limits
             contacts.shortened = advance.shortened if advance else contacts.shortened
             if not pending.head.trial:
                 self._has_begun = True
-                self._answered_layout = pending.edited or self._answered_layout
+                self._answered_layout = layout
             return contacts
 
     def _split(self, values: Any) -> tuple[dict[int, Any], Any]:

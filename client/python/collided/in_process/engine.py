@@ -67,6 +67,7 @@ class Result:
             done.advanced, done.way = facts.advanced, facts.way
             done.shortened.ids = ctypes.string_at(facts.shortened_ids, 4 * facts.shortened_count)
             done.shortened.fractions = ctypes.string_at(facts.shortened_fractions, 8 * facts.shortened_count)
+            done.limits.extend(_copy(kind, contacts) for kind, contacts in self._contacts("result_limits"))
         return done
 
     def _metrics(self, facts: library.Facts) -> metrics_pb2.FrameMetrics:

@@ -68,7 +68,7 @@ class Frame(_Sized):
                 ("accuracy", c_int32), ("report", c_int32), ("ignore_separating", c_int32), ("advance", c_int32),
                 ("trial", c_int32), ("delta", POINTER(c_double)), ("start_fraction", POINTER(c_double)),
                 ("cancelled", CANCELLED), ("cancelled_context", c_void_p), ("stream", c_void_p), ("room", c_void_p),
-                ("room_bytes", c_uint64), ("advance_mode", c_int32), ("reserved", c_int32)]
+                ("room_bytes", c_uint64), ("advance_mode", c_int32), ("limits", c_int32)]
 
 
 class Contacts(_Sized):
@@ -95,6 +95,7 @@ _FUNCTIONS = {
     "detect": [c_void_p, POINTER(Frame), POINTER(c_void_p)],
     "result_contacts": [c_void_p, c_int32, POINTER(Contacts)],
     "result_contacts_in_room": [c_void_p, c_int32, POINTER(Contacts)],
+    "result_limits": [c_void_p, c_int32, POINTER(Contacts)],
     "result_facts": [c_void_p, POINTER(Facts)],
     "result_stage": [c_void_p, c_uint32, POINTER(c_char_p), POINTER(c_double)],
     "result_unused_option": [c_void_p, c_uint32, POINTER(c_char_p)]}
@@ -107,11 +108,14 @@ class Library:
         try:
             self._loaded = ctypes.CDLL(path)
             version = self._loaded.collided_abi_version()
-        except (OSError, AttributeError) as error:
+            if version != _ABI:
+                raise FailedPrecondition(f"server is 'local', but {path!r} has interface {version}; this package needs {_ABI}",
+                                         field="server")
+            self._declare()
+        except (OSError, AttributeError) as error:  # it lacks a function, if it is older
             raise FailedPrecondition(f"server is 'local', but {path!r} cannot be used: {error}", field="server") from None
-        if version != _ABI:
-            raise FailedPrecondition(f"server is 'local', but {path!r} has interface {version}; this package needs {_ABI}",
-                                     field="server")
+
+    def _declare(self) -> None:
         for name in ("error_message", "error_field", "version"):
             getattr(self._loaded, f"collided_{name}").restype = c_char_p
         for name, arguments in _FUNCTIONS.items():

@@ -60,6 +60,21 @@ class InThisProcess(unittest.TestCase):
                     both = np.concatenate(here + [part.arrays[name] for part in rest])
                     self.assertEqual(both.tobytes(), np.ascontiguousarray(getattr(expected.vt, name)).tobytes(), name)
 
+    def test_what_limits_a_way_is_that_of_a_session(self):
+        made, tips = self.many(100)
+        down = {"tips": tips - np.float32([0, 0, 2])}
+        with collided.Session(made, server="local", device="cpu", min_separation=0.1) as session:
+            expected = session.step(down, advance="per_vertex", limits=True)
+        self.assertEqual(len(expected.limits), 100)
+        for room in (0, 1 << 20):
+            with device_session(made, output_bytes=room, min_separation=0.1) as session:
+                self.assertEqual(len(session.step({"tips": OnDevice(tips)}).limits), 0)
+                found = session.step({"tips": OnDevice(down["tips"])}, advance="per_vertex", limits=True)
+                self.assertEqual(found.limits.records.tobytes(), expected.limits.records.tobytes())
+                self.assertEqual(found.limits.meshes.tolist(), expected.limits.meshes.tolist())
+                with self.assertRaisesRegex(collided.FailedPrecondition, "of a DeviceSession"):
+                    found.limits.points
+
     def test_arrays_may_change_once_they_are_sent_and_a_window_has_its_own_contacts(self):
         with device_session(window=2) as session:
             moving = TIP.copy()
