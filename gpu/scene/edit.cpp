@@ -138,7 +138,9 @@ class Editor {
     out_.first[edit.mesh] = moves;
     needs_start_[edit.mesh] =
         moves && !is_removed(mesh) && mesh.motion == edit.spec.motion && mesh.motion == MeshMotion::kDeformable;
-    out_.begins_at_rest[edit.mesh] = moves || !keeps_elements || !mesh.excludes_rest_pairs;
+    const bool has_own_distance = out_.spec.rest_distance == 0;
+    const bool changes_distance = has_own_distance && edit.spec.half_thickness != mesh.half_thickness;
+    out_.begins_at_rest[edit.mesh] = moves || !keeps_elements || !mesh.excludes_rest_pairs || changes_distance;
     out_.changes_features |= !keeps_elements;
     mesh = edit.spec;
   }
