@@ -128,7 +128,7 @@ struct MeshSpec {
   /// Self contacts of a vertex and a triangle, or of two edges, that are within SceneSpec::rest_distance in the first
   /// frame are left out.
   bool excludes_rest_pairs = false;
-  /// Widens the contact distance: pairs of meshes i and j touch within SceneSpec::thickness + h_i + h_j, the real sum;
+  /// It widens the contact distance: meshes i and j touch within SceneSpec::thickness + h_i + h_j, the real sum;
   /// a mesh touches itself within thickness + 2 h. >= 0, finite, unit of the positions. In the continuous frames of
   /// scenes of both modes it has no effect.
   double half_thickness = 0;
@@ -153,11 +153,13 @@ struct SceneSpec {
   Scalar scalar = Scalar::kF32;
   Engine engine = Engine::kAuto;
   Reuse reuse = Reuse::kAuto;
-  double thickness = 0;  ///< >= 0, finite, unit of the positions
+  double thickness = 0;  ///< >= 0, finite, unit of the positions; MeshSpec::half_thickness adds to it
   double delta = 0;      ///< tolerance of CCD from kGuarded on, unit of the positions; 0: relative to each pair's size
   /// CCD: distance that FrameInput::advance keeps; >= 0, finite, unit of the positions.
   double min_separation = 0;
-  double rest_distance = 0;  ///< >= 0, finite, unit of the positions; of MeshSpec::excludes_rest_pairs
+  /// Of MeshSpec::excludes_rest_pairs; >= 0, finite, unit of the positions. 0: each mesh's own contact distance, which
+  /// is thickness + 2 MeshSpec::half_thickness.
+  double rest_distance = 0;
   /// Pairs of meshes that never touch, in any order, each once; a mesh and itself are one, too.
   std::vector<std::array<uint32_t, 2>> excluded_meshes;
   /// If there is one, positions come as 16-bit fixed point in it (positions/quantized.hpp); the scalar is kF32.

@@ -45,7 +45,7 @@ struct Deviations {
   }
 
   /// a + b, rounded up; exact where one of them is 0.
-  COLLIDED_HD static double widened(double a, double b) { return a == 0 ? b : b == 0 ? a : next_up(a + b); }
+  COLLIDED_HD static double widened(double a, double b) { return sum_above(a, b); }
 };
 
 }  // namespace collided

@@ -45,6 +45,9 @@ template <class Real>
 COLLIDED_HD Real next_down(Real x) {
   return -next_up(-x);
 }
+/// a + b, rounded up or down; exact where one of them is 0.
+COLLIDED_HD inline double sum_above(double a, double b) { return a == 0 ? b : b == 0 ? a : next_up(a + b); }
+COLLIDED_HD inline double sum_below(double a, double b) { return a == 0 ? b : b == 0 ? a : next_down(a + b); }
 
 /// Greatest float not above x, least float not below x.
 COLLIDED_HD inline float float_below(float x) { return x; }

@@ -1,10 +1,10 @@
 #pragma once
 // Section 3: the bounding box of every triangle: over the step for CCD, of the frame for DCD, inflated by half
-// the thickness and by how far its mesh may be from its path, rounded outward to float.
+// the thickness, its mesh's own half thickness, and how far its mesh may be from its path, rounded outward to float.
 
 #include <limits>
 
-#include "gpu/base/deviations.hpp"
+#include "gpu/base/half_thickness.hpp"
 #include "gpu/base/lattice.hpp"
 #include "gpu/base/worlds.hpp"
 #include "gpu/boxes/records.hpp"
@@ -41,13 +41,14 @@ struct BoxTriangles {
   Span<Real> inflations;   ///< empty: that of `motion` is each triangle's
   Real margin = 0;         ///< added to all inflations
   SteppedWorlds stepped = {};
+  HalfThicknesses halves = {};
 
   COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
     const uint64_t begin = first + i * kGroupSize;
     const uint32_t size = static_cast<uint32_t>(min(uint64_t{kGroupSize}, first + count - begin));
     for (uint32_t k = group.rank; k < size; k += group.size) {
       const Triangle t = triangles[begin + k];
-      const Real inflation = widened(deviations.inflation(motion.inflation, t.x), margin);
+      const Real inflation = widened(halves.inflation(deviations.inflation(motion.inflation, t.x), t.x), margin);
       const TriangleRecord<Real> made = shared.record[k] = record(t, begin + k, inflation);
       const Box<float> box = join(made.edge[0].box(), made.edge[1].box());
       boxes[begin + k] = stepped.has(begin + k) ? box : no_box();

@@ -4,8 +4,8 @@ namespace collided {
 
 ExactAnswer decide_exactly(const ExactQuestion& question, const ExactPoints& p) {
   const Vec3<double> start[4] = {p[0], p[1], p[2], p[3]}, end[4] = {p[4], p[5], p[6], p[7]};
-  if (!question.continuous) return {exact_proximity(question.kind, end, question.thickness), 0, false};
-  const ExactImpact impact = exact_ccd(question.kind, start, end, question.thickness);
+  if (!question.continuous) return {exact_proximity(question.kind, end, question.limit), 0, false};
+  const ExactImpact impact = exact_ccd(question.kind, start, end, question.limit);
   return {impact.hit, impact.toi, impact.initial};
 }
 

@@ -10,7 +10,7 @@ namespace collided {
 struct ExactQuestion {
   ContactKind kind = ContactKind::kVertexTriangle;  ///< as for exact_ccd
   bool continuous = true;                           ///< else the positions at t = 1 alone count
-  double thickness = 0;                             ///< >= 0
+  ContactDistance limit = {};
 };
 
 /// v a b c or a0 a1 b0 b1: at t = 0, then at t = 1.

@@ -43,7 +43,7 @@ class OfFixedSize {
 
   explicit OfFixedSize(const QueryOf<Linear>& query) : parts_(query) {}
 
-  bool has_thickness() const { return !parts_.thickness().vanishes(); }
+  bool has_limit() const { return !parts_.limit().vanishes(); }
   template <class Make>
   auto form(const Make& make) const {
     return make(parts_);
@@ -57,9 +57,9 @@ class OfFixedSize {
 /// Points whose exponents may lie far apart.
 struct Points {
   Vec3<double> start[4], end[4];
-  double thickness;
+  ContactDistance limit;
 
-  Points(const Vec3<double> (&from)[4], const Vec3<double> (&to)[4], double limit) : thickness(limit) {
+  Points(const Vec3<double> (&from)[4], const Vec3<double> (&to)[4], const ContactDistance& within) : limit(within) {
     std::copy_n(from, 4, start);
     std::copy_n(to, 4, end);
   }
@@ -70,16 +70,16 @@ template <ContactKind kind, int degree>
 class AnyNumbers : public Numbers {
  public:
   explicit AnyNumbers(const Points& points)
-      : motion_(points.start, points.end, points.thickness), points_(points), parts_(motion_) {}
+      : motion_(points.start, points.end, points.limit), points_(points), parts_(motion_) {}
   explicit AnyNumbers(const RoughMotion& part) : motion_(part), parts_(motion_) {}
 
   const RoughParts<kind, degree>& rough() const { return parts_; }
-  bool has_thickness() const { return motion_.end(1).thickness.size != 0; }
+  bool has_limit() const { return motion_.end(1).limit.size != 0; }
   bool has_exact() const { return points_.has_value(); }
   const ExactParts<kind, Form>& exact() const {
     return exact_.get([&] {
-      const auto& [start, end, thickness] = *points_;
-      return ExactParts<kind, Form>(degree == 0 ? at_rest(end, thickness) : in_motion(start, end, thickness));
+      const auto& [start, end, limit] = *points_;
+      return ExactParts<kind, Form>(degree == 0 ? at_rest(end, limit) : in_motion(start, end, limit));
     });
   }
   double ratio_at(const RoughForm::Place& place) const override { return motion_.ratio_at(place); }
@@ -101,7 +101,7 @@ class OfAnySize {
   template <class Motion>
   explicit OfAnySize(const Motion& motion) : numbers_(std::make_shared<AnyNumbers<kind, degree>>(motion)) {}
 
-  bool has_thickness() const { return numbers_->has_thickness(); }
+  bool has_limit() const { return numbers_->has_limit(); }
   template <class Make>
   LazyForm form(const Make& make) const {
     if (!numbers_->has_exact()) return LazyForm(make(numbers_->rough()), nullptr);
@@ -170,7 +170,7 @@ constexpr auto kAxes = [](const auto& use) {
 
 template <class Parts>
 auto limit_of(const Parts& f) {
-  return f.thickness() * f.thickness();
+  return f.limit() * f.limit();
 }
 
 template <class Features>
@@ -204,7 +204,7 @@ void add_point_near_segment(Contact& contact, const Features& features, int i) {
       .add_to(contact);
 }
 
-// The weights of the closest points, times n^2, are not negative, and |volume| = distance * |n|. Without thickness
+// The weights of the closest points, times n^2, are not negative, and |volume| = distance * |n|. Without a limit
 // the volume has to be 0, which is necessary in any case.
 template <class Features>
 void add_planes_near(Contact& contact, const Features& features) {
@@ -212,22 +212,22 @@ void add_planes_near(Contact& contact, const Features& features) {
   for (int i = 0; i < fixed::Sides<Features::kKind>::kCount; ++i)
     draft.not_negative([=](const auto& f) { return wide_dot(f.side(i), f.n()); });
   draft.not_zero([](const auto& f) { return wide_dot(f.n(), f.n()); });
-  if (features.has_thickness())
+  if (features.has_limit())
     draft.within([](const auto& f) { return limit_of(f) * wide_dot(f.n(), f.n()); },
                  [](const auto& f) { return f.volume() * f.volume(); },
                  [](const auto& use) { use([](const auto& f) { return f.volume(); }); });
   draft.add_to(contact);
 }
 
-// The points at the sides and, with a thickness, at their ends. Without one, a point at an end is on the side, too.
+// The points at the sides and, with a limit above 0, at their ends. Without one, a point at an end is on the side, too.
 template <class Features>
 void add_outline(Contact& contact, const Features& features) {
   for (int i = 0; i < fixed::Sides<Features::kKind>::kCount; ++i)
-    if (features.has_thickness())
+    if (features.has_limit())
       add_point_near_segment(contact, features, i);
     else
       add_point_on_segment(contact, features, i);
-  if (features.has_thickness())
+  if (features.has_limit())
     for (int i = 0; i < fixed::Differences<Features::kKind, 1>::kCount; ++i) add_point_near_point(contact, features, i);
 }
 
@@ -247,7 +247,7 @@ void add_axes(Contact& contact, const Features& features) {
       std::vector<LazyForm>& forms = contact.alternatives.emplace_back();
       for (int i = 0; i < fixed::Differences<Features::kKind, 1>::kCount; ++i)
         forms.push_back(features.form(
-            [=](const auto& f) { return is_above ? f.thickness() - axis(f.d(i)) : f.thickness() + axis(f.d(i)); }));
+            [=](const auto& f) { return is_above ? f.limit() - axis(f.d(i)) : f.limit() + axis(f.d(i)); }));
     }
   });
 }
@@ -265,7 +265,7 @@ Contact contact_of(const Features& features) {
     add_axes(contact, features);
     if (are_apart(contact)) return contact;
   }
-  if (!features.has_thickness()) {
+  if (!features.has_limit()) {
     contact.necessary = lazy(features.form([](const auto& f) { return f.volume(); }));
     if (contact.necessary.closed_sign() != 0) return contact;
   }
@@ -285,10 +285,12 @@ std::vector<Contact> AnyNumbers<kind, degree>::cut(const RoughForm::Place& from,
 /// Makes the contact in numbers of W limbs, which the unit has to fit.
 template <ContactKind kind, int W>
 Contact fixed_contact(const fixed::Unit& unit, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
-                      double thickness) {
+                      const ContactDistance& limit) {
   using Linear = fixed::Polynomial<1, W>;
-  const auto linear = [&](double from, double to) { return Linear{{unit.count<W>(from), unit.count<W>(to)}}; };
-  QueryOf<Linear> query{{}, linear(thickness, thickness)};
+  const auto linear = [&](const auto& from, const auto& to) {
+    return Linear{{unit.count<W>(from), unit.count<W>(to)}};
+  };
+  QueryOf<Linear> query{{}, linear(limit, limit)};
   for (size_t i = 0; i < 4; ++i) {
     const Vec3<double>&p = start[i], &q = end[i];
     query.points[i] = {linear(p.x, q.x), linear(p.y, q.y), linear(p.z, q.z)};
@@ -297,14 +299,14 @@ Contact fixed_contact(const fixed::Unit& unit, const Vec3<double> (&start)[4], c
 }
 
 template <ContactKind kind>
-Contact contact_of_kind(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness) {
+Contact contact_of_kind(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], const ContactDistance& limit) {
   fixed::Unit unit;
   unit.see(start);
   unit.see(end);
-  unit.see(thickness);
-  if (unit.fits<1>()) return fixed_contact<kind, 1>(unit, start, end, thickness);
-  if (unit.fits<2>()) return fixed_contact<kind, 2>(unit, start, end, thickness);
-  return contact_of(OfAnySize<kind, 1>(Points(start, end, thickness)));
+  unit.see(limit);
+  if (unit.fits<1>()) return fixed_contact<kind, 1>(unit, start, end, limit);
+  if (unit.fits<2>()) return fixed_contact<kind, 2>(unit, start, end, limit);
+  return contact_of(OfAnySize<kind, 1>(Points(start, end, limit)));
 }
 
 template <int degree>
@@ -316,18 +318,18 @@ Contact any_contact(ContactKind kind, const Points& points) {
 }  // namespace
 
 Contact contact_in_motion(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
-                          double thickness) {
-  return kind == ContactKind::kVertexTriangle ? contact_of_kind<ContactKind::kVertexTriangle>(start, end, thickness)
-                                              : contact_of_kind<ContactKind::kEdgeEdge>(start, end, thickness);
+                          const ContactDistance& limit) {
+  return kind == ContactKind::kVertexTriangle ? contact_of_kind<ContactKind::kVertexTriangle>(start, end, limit)
+                                              : contact_of_kind<ContactKind::kEdgeEdge>(start, end, limit);
 }
 
 Contact contact_in_any_size(ContactKind kind, const Vec3<double> (&start)[4], const Vec3<double> (&end)[4],
-                            double thickness) {
-  return any_contact<1>(kind, Points(start, end, thickness));
+                            const ContactDistance& limit) {
+  return any_contact<1>(kind, Points(start, end, limit));
 }
 
-Contact contact_at_rest(ContactKind kind, const Vec3<double> (&p)[4], double thickness) {
-  return any_contact<0>(kind, Points(p, p, thickness));
+Contact contact_at_rest(ContactKind kind, const Vec3<double> (&p)[4], const ContactDistance& limit) {
+  return any_contact<0>(kind, Points(p, p, limit));
 }
 
 }  // namespace collided::exact

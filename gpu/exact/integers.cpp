@@ -33,25 +33,40 @@ class Unit {
     for (const Vec3<double>& p : points)
       for (const double x : {p.x, p.y, p.z}) see(x);
   }
+  void see(const ContactDistance& x) {
+    for (const double part : {x.thickness, x.first, x.second}) see(part);
+  }
   Number operator()(double x) const {
     const Binary b = to_binary(x);
     return b.odd == 0 ? Number() : Number(b.odd) << static_cast<mp_bitcnt_t>(b.exponent - exponent_);
+  }
+  Number operator()(const ContactDistance& x) const {
+    Number sum = (*this)(x.thickness);
+    sum += (*this)(x.first);
+    sum += (*this)(x.second);
+    return sum;
   }
 
  private:
   int exponent_ = INT_MAX;
 };
 
-Form form(const Unit& unit, double x) { return {{unit(x)}}; }
-Form form(const Unit& unit, double start, double end) { return {{unit(start), unit(end)}}; }
+template <class X>
+Form form(const Unit& unit, const X& x) {
+  return {{unit(x)}};
+}
+template <class X>
+Form form(const Unit& unit, const X& start, const X& end) {
+  return {{unit(start), unit(end)}};
+}
 
 }  // namespace
 
-ExactQuery at_rest(const Vec3<double> (&points)[4], double thickness) {
+ExactQuery at_rest(const Vec3<double> (&points)[4], const ContactDistance& limit) {
   Unit unit;
-  unit.see(thickness);
+  unit.see(limit);
   unit.see(points);
-  ExactQuery query{{}, form(unit, thickness)};
+  ExactQuery query{{}, form(unit, limit)};
   for (size_t i = 0; i < 4; ++i) {
     const Vec3<double>& p = points[i];
     query.points[i] = {form(unit, p.x), form(unit, p.y), form(unit, p.z)};
@@ -59,12 +74,12 @@ ExactQuery at_rest(const Vec3<double> (&points)[4], double thickness) {
   return query;
 }
 
-ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness) {
+ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], const ContactDistance& limit) {
   Unit unit;
-  unit.see(thickness);
+  unit.see(limit);
   unit.see(start);
   unit.see(end);
-  ExactQuery query{{}, form(unit, thickness, thickness)};
+  ExactQuery query{{}, form(unit, limit, limit)};
   for (size_t i = 0; i < 4; ++i) {
     const Vec3<double>&p = start[i], &q = end[i];
     query.points[i] = {form(unit, p.x, q.x), form(unit, p.y, q.y), form(unit, p.z, q.z)};

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "gpu/base/contact_distance.hpp"
 #include "gpu/base/vec3.hpp"
 #include "gpu/exact/form.hpp"
 
@@ -12,11 +13,11 @@ namespace collided::exact {
 template <class Linear>
 struct QueryOf {
   std::array<Vec3<Linear>, 4> points;
-  Linear thickness;
+  Linear limit;  ///< the contact distance
 };
 using ExactQuery = QueryOf<Form>;
 
-ExactQuery at_rest(const Vec3<double> (&points)[4], double thickness);
-ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness);
+ExactQuery at_rest(const Vec3<double> (&points)[4], const ContactDistance& limit);
+ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], const ContactDistance& limit);
 
 }  // namespace collided::exact

@@ -39,12 +39,12 @@ using CubicOf = decltype(std::declval<QuadraticOf<Linear>>() * std::declval<Line
 template <ContactKind kind, class Linear>
 class ExactParts {
  public:
-  explicit ExactParts(const QueryOf<Linear>& query) : thickness_(query.thickness) {
+  explicit ExactParts(const QueryOf<Linear>& query) : limit_(query.limit) {
     const auto& p = query.points;
     for (size_t i = 0; i < kCount; ++i) d_[i] = kCount == 3 ? p[0] - p[i + 1] : p[i / 2] - p[2 + i % 2];
   }
 
-  const Linear& thickness() const { return thickness_; }
+  const Linear& limit() const { return limit_; }
   const Vec3<Linear>& d(int i) const { return d_[static_cast<size_t>(i)]; }
   /// P - Q of a side.
   Vec3<Linear> edge(int i) const {
@@ -67,7 +67,7 @@ class ExactParts {
  private:
   static constexpr size_t kCount = fixed::Differences<kind, 1>::kCount;
 
-  Linear thickness_;
+  Linear limit_;
   std::array<Vec3<Linear>, kCount> d_;
   std::array<Memo<Vec3<QuadraticOf<Linear>>>, fixed::Sides<kind>::kCount> sides_;
   Memo<Vec3<QuadraticOf<Linear>>> n_;
@@ -84,11 +84,11 @@ class RoughParts {
   using Quadratic = RoughPolynomial<2 * degree>;
 
   explicit RoughParts(const RoughMotion& motion) : motion_(motion) {
-    for (int e = 0; e <= degree; ++e) thickness_.c[e] = end(e).thickness;
+    for (int e = 0; e <= degree; ++e) limit_.c[e] = end(e).limit;
     for (size_t i = 0; i < kCount; ++i) d_[i] = kCount == 3 ? difference(0, i + 1) : difference(i / 2, 2 + i % 2);
   }
 
-  const Linear& thickness() const { return thickness_; }
+  const Linear& limit() const { return limit_; }
   const Vec3<Linear>& d(int i) const { return d_[static_cast<size_t>(i)]; }
   Vec3<Linear> edge(int i) const {
     const auto& [p, q, r] = kCorners[i];
@@ -173,7 +173,7 @@ class RoughParts {
   }
 
   const RoughMotion& motion_;
-  Linear thickness_;
+  Linear limit_;
   std::array<Vec3<Linear>, kCount> d_;
   std::array<Memo<Vec3<Quadratic>>, fixed::Sides<kind>::kCount> sides_;
   Memo<Vec3<Quadratic>> n_;

@@ -19,8 +19,8 @@ COLLIDED_HD ContactData<Real> contact_at(const Differences<Work, N>& d, Work t, 
 
 /// The contact's data of features whose positions are the same.
 template <class Real>
-COLLIDED_HD ContactData<Real> coincident(double thickness, double doubt, uint8_t flags) {
-  const bool is_sure = doubt == 0 || certain_distance(thickness, doubt) > 0;
+COLLIDED_HD ContactData<Real> coincident(const ContactDistance& distance, double doubt, uint8_t flags) {
+  const bool is_sure = doubt == 0 || certain_distance(distance, doubt) > 0;
   return {0, Real(0), Real(0), Real(0), static_cast<uint8_t>(flags | (is_sure ? kFlagCertified : kFlagNear))};
 }
 
@@ -48,10 +48,23 @@ struct CcdQueries {
   double delta;
   Kind kind;
   Span<const Candidate> candidates;
+  HalfThicknesses halves = {};
 
   COLLIDED_HD uint64_t key(uint64_t i) const { return key_of(candidates[i]); }
   /// What the pair may be closer to each other than the straight paths of their positions, at most.
   COLLIDED_HD double doubt_of(uint64_t key) const { return doubt.of(kind, key); }
+  /// Returns the contact distance of a pair at t = 1.
+  COLLIDED_HD ContactDistance distance_of(uint64_t key) const { return distance_of(thickness, key); }
+  /// The same in a scene of another thickness.
+  COLLIDED_HD ContactDistance distance_of(double thickness, uint64_t key) const {
+    return collided::distance_of(halves, thickness, kind, key);
+  }
+  /// Returns a distance that no contact's positions exceed.
+  COLLIDED_HD double doubtful_distance_of(uint64_t key) const {
+    return doubtful_distance(distance_of(key), doubt_of(key));
+  }
+  /// True if all pairs have the same.
+  COLLIDED_HD bool has_one_distance() const { return !doubt.deviations.is_needed() && !halves.is_needed(); }
   COLLIDED_HD Progress progress(uint64_t i) const { return progress_of(candidates[i]); }
   /// As load_differences.
   template <class Work>
@@ -80,8 +93,7 @@ struct ScreenCcd {
     DifferencesOf<float, Kind> d;
     const uint64_t key = queries.key(i);
     if (queries.load(i, d)) {
-      const double widened = Deviations::widened(queries.thickness, queries.doubt_of(key));
-      if (is_apart(d, scaled_thickness<float>(widened, d.scale))) return;
+      if (is_apart(d, scaled_thickness<float>(queries.doubtful_distance_of(key), d.scale))) return;
     }
     survivors.push(key);
   }
@@ -109,8 +121,7 @@ struct ApproachCcd {
       resumable.push(ResumableQuery{state.key, Progress{}});
       return;
     }
-    const double widened = Deviations::widened(queries.thickness, queries.doubt_of(state.key));
-    const float thickness = scaled_thickness<float>(widened, d.scale);
+    const float thickness = scaled_thickness<float>(queries.doubtful_distance_of(state.key), d.scale);
     state.features.begin({{thickness, thickness}, delta_of(d)}, queries.progress(i), kIterationsInFloat);
   }
   COLLIDED_HD void step(State& state) const { state.features.iterate(1.0f); }
@@ -150,15 +161,15 @@ struct CcdReporter {
   bool is_exact;           ///< contacts are to be decided where their paths are straight
   ContactSink<Real> contacts;
 
-  COLLIDED_HD Tolerance<Work> tolerance_of(const DifferencesOf<Work, Kind>& d, double doubt) const {
+  COLLIDED_HD Tolerance<Work> tolerance_of(uint64_t key, const DifferencesOf<Work, Kind>& d, double doubt) const {
     const Work delta =
         queries.delta > 0 ? static_cast<Work>(queries.delta * d.scale) : default_delta(Work(0)) * d.extent;
-    return {{scaled_thickness<Work>(Deviations::widened(start_thickness, doubt), d.scale),
-             scaled_thickness<Work>(Deviations::widened(queries.thickness, doubt), d.scale)},
+    return {{scaled_thickness<Work>(doubtful_distance(start_distance_of(key), doubt), d.scale),
+             scaled_thickness<Work>(doubtful_distance(queries.distance_of(key), doubt), d.scale)},
             delta};
   }
   COLLIDED_HD void report_coincident(uint64_t key, double doubt) const {
-    contacts.report(key, coincident<Real>(start_thickness, doubt, kFlagInitial | mark(doubt)));
+    contacts.report(key, coincident<Real>(start_distance_of(key), doubt, kFlagInitial | mark(doubt)));
   }
   /// A pair that is certain to be apart on [0, t) alone.
   COLLIDED_HD void report(uint64_t key, const DifferencesOf<Work, Kind>& d, const Tolerance<Work>& tolerance, Work t,
@@ -166,24 +177,25 @@ struct CcdReporter {
     const double doubt = queries.doubt_of(key);
     const bool separating = doubt == 0 && is_separating(key, d, tolerance, t);
     if (separating && skips_separating) return;
-    const double by = known_by(d, t, doubt);
+    const double certain = certain_distance(start_distance_of(key), doubt), by = known_by(d, t, doubt, certain);
     const uint8_t flags =
-        flags_of(d, t, is_capped, doubt, by < kNeverCertain) | (separating ? kFlagSeparating : 0) | mark(doubt);
+        flags_of(d, t, is_capped, certain, by < kNeverCertain) | (separating ? kFlagSeparating : 0) | mark(doubt);
     contacts.report(key, contact_at<Real>(d, t, flags), by);
   }
 
  private:
+  COLLIDED_HD ContactDistance start_distance_of(uint64_t key) const {
+    return queries.distance_of(start_thickness, key);
+  }
   /// At kExact positions are what they are, so that there is no doubt but of arcs.
   COLLIDED_HD uint8_t mark(double doubt) const { return is_exact && doubt > 0 ? kFlagOnArc : uint8_t{0}; }
   /// As certain_by.
-  COLLIDED_HD double known_by(const DifferencesOf<Work, Kind>& d, Work t, double doubt) const {
-    const double certain = certain_distance(start_thickness, doubt);
+  COLLIDED_HD double known_by(const DifferencesOf<Work, Kind>& d, Work t, double doubt, double certain) const {
     if (doubt > 0 && certain == 0) return kNeverCertain;
     return certain_by(d, t, scaled_thickness<Work>(certain, d.scale));
   }
-  COLLIDED_HD uint8_t flags_of(const DifferencesOf<Work, Kind>& d, Work t, bool is_capped, double doubt,
+  COLLIDED_HD uint8_t flags_of(const DifferencesOf<Work, Kind>& d, Work t, bool is_capped, double certain,
                                bool is_sure) const {
-    const double certain = certain_distance(start_thickness, doubt);
     const Work thickness = scaled_thickness<Work>(certain, d.scale);
     uint8_t flags = is_sure ? kFlagCertified : kFlagNear;
     if (is_capped) flags |= kFlagCapped;
@@ -202,7 +214,7 @@ struct CcdReporter {
     DifferencesOf<double, Kind> d;
     if (!load_differences<Kind, double>(points_of(queries.kind.stencil(key), queries.start, queries.end), d))
       return false;
-    return comes_no_closer(d, begins_within ? 0.0 : scaled_thickness<double>(start_thickness, d.scale));
+    return comes_no_closer(d, begins_within ? 0.0 : scaled_thickness<double>(start_distance_of(key).above(), d.scale));
   }
 };
 
@@ -219,7 +231,7 @@ struct AdvanceCcd {
     DifferencesOf<Work, Kind>& d = state.features.d;
     const double doubt = reporter.queries.doubt_of(state.key);
     if (!reporter.queries.load(i, d)) return reporter.report_coincident(state.key, doubt);
-    state.features.begin(reporter.tolerance_of(d, doubt), reporter.queries.progress(i), kMaxIterations);
+    state.features.begin(reporter.tolerance_of(state.key, d, doubt), reporter.queries.progress(i), kMaxIterations);
   }
   COLLIDED_HD void step(State& state) const {
     state.features.iterate(static_cast<Work>(reporter.contacts.early_exit.last()));
@@ -259,7 +271,7 @@ struct FollowNearMisses {
     const double doubt = reporter.queries.doubt_of(key);
     const bool differ = reporter.queries.load(i, d), reports = team.rank == 0;
     if (!differ) return reports ? reporter.report_coincident(key, doubt) : void();
-    const Tolerance<double> tolerance = reporter.tolerance_of(d, doubt);
+    const Tolerance<double> tolerance = reporter.tolerance_of(key, d, doubt);
     const NearMiss found = follow_near_miss(d, tolerance, t, team);
     if (found.is_hit && reports) reporter.report(key, d, tolerance, found.t, found.is_capped);
   }

@@ -19,10 +19,11 @@ template <class Real, class Kind>
 struct SolveCubicCcd {
   const Vec3<Real>* start;
   const Vec3<Real>* end;
-  Real thickness;
+  double thickness;
   Kind kind;
   Span<const uint64_t> candidates;
   ContactSink<Real> contacts;
+  HalfThicknesses halves = {};
 
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.early_exit.is_over()) return;
@@ -30,8 +31,9 @@ struct SolveCubicCcd {
     if (is_always_coplanar(stencil)) return;
     const Query q(stencil, start, end);
     const Cubic<Real> f = cubic(q);
-    if (thickness == 0 && f.one_sided()) return;
-    const Real reach = thickness + proximity_tolerance(Real(0)) * q.extent();
+    const Real limit = static_cast<Real>(halves.of_pair(thickness, stencil.v[0], stencil.v[3]).nearly());
+    if (limit == 0 && f.one_sided()) return;
+    const Real reach = limit + proximity_tolerance(Real(0)) * q.extent();
     if (report(i, q, Real(0), reach)) return;
     Real roots[3];
     const int n = roots_in_unit(f, roots);

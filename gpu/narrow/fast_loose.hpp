@@ -20,7 +20,7 @@ struct FollowLooseCcd {
     if (contacts.early_exit.is_over() || !is_always_coplanar(queries.kind.stencil(state.key))) return;
     DifferencesOf<Real, VertexTriangle>& d = state.features.d;
     if (!queries.load(i, d)) return contacts.report(state.key, {0, Real(0), Real(0), Real(0), kFlagInitial});
-    const Real thickness = scaled_thickness<Real>(queries.thickness, d.scale);
+    const Real thickness = scaled_thickness<Real>(queries.distance_of(state.key).above(), d.scale);
     const Real reach = proximity_tolerance(Real(0)) * d.extent;
     state.features.begin({{thickness, thickness}, reach}, {}, kMaxIterations);
   }

@@ -1,6 +1,7 @@
 #pragma once
 // Contacts and their vertices brought together.
 
+#include "gpu/base/half_thickness.hpp"
 #include "gpu/base/worlds.hpp"
 #include "gpu/contacts/contact.hpp"
 
@@ -34,6 +35,20 @@ struct GatherPoints {
       points[8 * i + k] = start[s.v[k]];
       points[8 * i + 4 + k] = end[s.v[k]];
     }
+  }
+};
+
+/// The half thicknesses of each candidate's two meshes.
+template <class Kind>
+struct GatherHalves {
+  HalfThicknesses halves;
+  Kind kind;
+  Span<const uint64_t> candidates;
+  Span<PairHalves> out;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Stencil s = kind.stencil(candidates[i]);
+    out[i] = {halves.of(s.v[0]), halves.of(s.v[3])};
   }
 };
 

@@ -6,7 +6,7 @@
 // one direction, is enough: of what it leaves, a closer look in double tells one in ten apart and costs more than these
 // pairs do later.
 
-#include "gpu/base/deviations.hpp"
+#include "gpu/base/half_thickness.hpp"
 #include "gpu/contacts/contact.hpp"
 #include "gpu/exec/atomic.hpp"
 #include "gpu/narrow/floors.hpp"
@@ -57,10 +57,11 @@ struct ScreenHulls {
   const Vec3<Real>* target;
   Kind kind;
   double ways_within;      ///< pairs matter within this distance at any fraction
-  double contacts_within;  ///< what the positions of their features say
+  double contacts_within;  ///< what the positions of their features say, in a scene without thick meshes
   Deviations deviations;
   Span<const uint64_t> candidates;
   AppendList<uint64_t> survivors;
+  HalfThicknesses halves = {};
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const Stencil s = kind.stencil(candidates[i]);
@@ -69,9 +70,10 @@ struct ScreenHulls {
   }
 
   COLLIDED_HD double reach(const Stencil& s) const {
-    if (!deviations.is_needed()) return max(ways_within, contacts_within);
+    const double within = halves.of_pair(contacts_within, s.v[0], s.v[3]).above();
+    if (!deviations.is_needed()) return max(ways_within, within);
     return max(Deviations::widened(ways_within, deviations.of_parts().of_pair(s.v[0], s.v[3])),
-               Deviations::widened(contacts_within, deviations.of_any_pair()));
+               Deviations::widened(within, deviations.of_any_pair()));
   }
 };
 

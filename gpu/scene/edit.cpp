@@ -169,7 +169,9 @@ EditedScene edit_scene(const SceneSpec& spec, const Topology& topology, const Fr
   for (size_t i = 0; i < edit.included.size(); ++i) editor.include(i, edit.included[i]);
   for (size_t i = 0; i < edit.excluded.size(); ++i) editor.exclude(i, edit.excluded[i]);
   editor.see(frame.updates, is_ccd);
-  return editor.finish(spec, topology, edit.rest_distance);
+  EditedScene edited = editor.finish(spec, topology, edit.rest_distance);
+  check_distances(edited.spec, settings_of(edited.spec, frame));
+  return edited;
 }
 
 }  // namespace collided

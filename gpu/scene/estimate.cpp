@@ -63,6 +63,10 @@ class SceneDryRun {
       tables.idle = idle_meshes(spec_);
       tables.excluded_meshes.allocate(excluded_mesh_slots(spec_).size());
     }
+    if (thickest_of(spec_) > 0) {
+      tables.first_vertex.allocate(spec_.meshes.size());
+      tables.half_thickness.allocate(spec_.meshes.size());
+    }
     scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     if (spec_.worlds > 0) scene_.worlds.reserve(spec_.worlds);
   }

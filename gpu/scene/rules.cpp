@@ -7,6 +7,7 @@
 #include "gpu/base/text.hpp"
 #include "gpu/contacts/kinds.hpp"
 #include "gpu/positions/format.hpp"
+#include "gpu/tables/exclusions.hpp"
 
 namespace collided {
 namespace {
@@ -26,9 +27,6 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
         "triangle_triangle",
         "triangle_triangle is on, but only DCD tests triangle pairs; CCD lists them at CANDIDATES alone");
   check_length("delta", settings.delta, coordinate_limit(spec.scalar));
-  const bool finds_features = is_of_features(first_of(spec.kinds));
-  if (!settings.is_ccd() && settings.accuracy == Accuracy::kFast && settings.thickness == 0 && finds_features)
-    throw InvalidInput("thickness", "thickness is 0; discrete detection at FAST needs a distance > 0");
   if (settings.report == Report::kEarliestOnly && (!settings.is_ccd() || settings.accuracy < Accuracy::kGuarded))
     throw InvalidInput("report", "report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
   if (settings.report == Report::kAnyHit && settings.accuracy < Accuracy::kFast)
@@ -189,7 +187,10 @@ void check_frame(const SceneSpec& spec, const FrameInput& frame) {
   if (!frame.advance && frame.advance_mode != AdvanceMode::kAllOrOne)
     throw InvalidInput("advance_mode", "advance_mode is given, but advance is off");
   if (frame.start_fraction) check_start_fraction(settings, *frame.start_fraction);
-  if (frame.edit) check_edit(frame);
+  if (frame.edit)
+    check_edit(frame);
+  else
+    check_distances(spec, settings);
   check_room(frame.room);
   if (!spec.part_devices.empty() && !frame.room.memory.empty())
     throw InvalidInput("room", "room is given, but the contacts of a scene in parts come to the host");
@@ -217,6 +218,10 @@ std::vector<std::string> unused_options(const SceneSpec& spec, const FrameInput&
   std::vector<std::string> unused;
   if (spec.min_separation > 0 && spec.mode == Mode::kCcd && !frame.advance) unused.push_back("min_separation");
   if (spec.thickness > 0 && !is_of_features(first_of(spec.kinds))) unused.push_back("thickness");
+  const auto is_thick = [](const MeshSpec& mesh) { return mesh.half_thickness > 0; };
+  if (const auto thick = std::find_if(spec.meshes.begin(), spec.meshes.end(), is_thick);
+      thick != spec.meshes.end() && !is_of_features(first_of(spec.kinds)))
+    unused.push_back("meshes[" + std::to_string(thick - spec.meshes.begin()) + "].half_thickness");
   if (spec.delta > 0 && !frame.delta && settings.accuracy < Accuracy::kGuarded) unused.push_back("delta");
   add_unused_exclusions(spec, unused);
   return unused;
@@ -249,6 +254,7 @@ void check_exclusions(const SceneSpec& spec) {
                        "rest_distance is " + text(spec.rest_distance) + ", but no mesh excludes rest pairs");
   for (size_t i = 0; i < spec.meshes.size(); ++i) check_mesh(spec, spec.meshes[i], "meshes[" + text(i) + "]");
   check_excluded_meshes(spec);
+  check_distances(spec, settings_of(spec, {}));
 }
 
 void check_mesh(const SceneSpec& spec, const MeshSpec& mesh, const std::string& field) {
@@ -262,6 +268,17 @@ void check_mesh(const SceneSpec& spec, const MeshSpec& mesh, const std::string& 
                        field +
                            ".excludes_rest_pairs is on, but the scene has triangle pairs alone: rest pairs are "
                            "vertex-triangle and edge-edge contacts");
+}
+
+void check_distances(const SceneSpec& spec, const FrameSettings& settings) {
+  if (settings.is_ccd() || settings.accuracy != Accuracy::kFast || settings.thickness > 0) return;
+  if (!is_of_features(first_of(spec.kinds))) return;
+  const std::string needed = "; discrete detection at FAST needs a distance > 0";
+  if (!settings.differs_by_pair()) throw InvalidInput("thickness", "thickness is 0" + needed);
+  std::vector<bool> are_thin;
+  for (const MeshSpec& mesh : spec.meshes) are_thin.push_back(mesh.half_thickness == 0);
+  if (const auto pair = find_tested_pair(spec, are_thin))
+    throw InvalidInput("thickness", "thickness is 0, and so is the half_thickness of " + text_of(*pair) + needed);
 }
 
 void check_rest_distance(const SceneSpec& spec) {

@@ -90,7 +90,11 @@ class SceneDetector final : public Detector {
   FrameResult edit(const FrameInput& frame, const FrameSettings& settings) {
     checks_.forget();
     own_slot_ = nullptr;  // the edited scene may need its memory
-    return edits_.apply(frame, settings.is_ccd(), [&] { return detect(frame, settings); });
+    return edits_.apply(frame, settings.is_ccd(), [&] {
+      FrameSettings edited = settings;
+      edited.thickest = settings_of(spec_, frame).thickest;  // the edit may have changed it
+      return detect(frame, edited);
+    });
   }
   void tell_lengths() {
     told_ = list_lengths();

@@ -66,6 +66,7 @@ class SceneModel {
     if (this->spec().kinds.edge_edge) send(resident.triangle_edges, features.triangle_edges);
     if (this->spec().kinds.edge_edge && this->spec().accuracy != Accuracy::kCandidates) require_edges();
     send_rules(features.rings);
+    send_halves();
   }
   /// The same with the features of `before`.
   void take_rules(SceneSpec spec, const Parts& before, const RingTables& rings) {
@@ -76,6 +77,7 @@ class SceneModel {
     copy(buffers_.topology.triangle_edges, before.buffers.topology.triangle_edges);
     copy(buffers_.topology.edges, before.buffers.topology.edges);
     send_rules(rings);
+    send_halves();
   }
 
  private:
@@ -101,6 +103,15 @@ class SceneModel {
     }
     send(resident.ring_begin, rings.begin);
     send(resident.ring_vertices, rings.vertices);
+  }
+  void send_halves() {
+    if (thickest_of(spec()) == 0) return;
+    const size_t meshes = spec().meshes.size();
+    std::vector<double> halves;
+    for (const MeshSpec& mesh : spec().meshes) halves.push_back(mesh.half_thickness);
+    send(buffers_.topology.first_vertex,
+         std::vector(shape_.vertex_offset.begin(), shape_.vertex_offset.begin() + meshes));
+    send(buffers_.topology.half_thickness, halves);
   }
   static std::vector<uint32_t> vertex_offsets(const Topology& topology, uint32_t worlds) {
     std::vector<uint32_t> offsets = {0};

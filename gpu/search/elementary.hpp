@@ -22,15 +22,17 @@ struct CandidatePoints {
 /// What the boxes of a triangle's features are inflated by: half the thickness.
 template <class Real>
 struct EvenInflation {
+  static constexpr bool kDiffers = false;  ///< from triangle to triangle
   Real half;
 
   COLLIDED_HD Real of(uint32_t) const { return half; }
 };
-/// And how far its mesh may be from its path.
+/// And its mesh's half thickness, and how far that may be from its path.
 template <class Real>
 struct InflationByTriangle {
+  static constexpr bool kDiffers = true;
   Real half;
-  Span<const Real> inflations;  ///< of each triangle; empty: no mesh turns
+  Span<const Real> inflations;  ///< of each triangle; empty: all are `half`
 
   COLLIDED_HD Real of(uint32_t triangle) const { return inflations.empty() ? half : inflations[triangle]; }
 };

@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "gpu/base/half_thickness.hpp"
 #include "gpu/base/mesh_turns.hpp"
 #include "gpu/boxes/measure.hpp"
 #include "gpu/contacts/columns.hpp"
@@ -15,6 +16,7 @@
 #include "gpu/narrow/floors.hpp"
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
+#include "gpu/state/settings.hpp"
 #include "gpu/state/state.hpp"
 #include "gpu/types.hpp"
 
@@ -41,6 +43,8 @@ struct ResidentTopology {
         mesh_of_triangle(exec, "pair_filter"),
         rules(exec, "pair_filter"),
         excluded_meshes(exec, "pair_filter"),
+        first_vertex(exec, "half_thickness"),
+        half_thickness(exec, "half_thickness"),
         ring_begin(exec, "rings"),
         ring_vertices(exec, "rings"),
         neighbour_begin(exec, "advance"),
@@ -54,6 +58,10 @@ struct ResidentTopology {
   VertexRings rings() const { return {ring_begin.all(), ring_vertices.all()}; }
   /// The ends of each vertex's edges.
   VertexRings joined() const { return {neighbour_begin.all(), neighbours.all()}; }
+  HalfThicknesses halves() const {
+    return {first_vertex.data(), half_thickness.data(), static_cast<uint32_t>(half_thickness.capacity()),
+            shape.is_one() ? 0 : shape.vertices};
+  }
   ExcludedPairs excluded_pairs() const { return {rings(), {rest_pairs.all()}}; }
 
   // Of all worlds.
@@ -72,6 +80,8 @@ struct ResidentTopology {
   uint32_t branches = 0;                   ///< as count_branches() says
   IdleMeshes idle;                         ///< by mesh of one world
   Buffer<uint64_t, Exec> excluded_meshes;  ///< slots of a KeySet
+  Buffer<uint32_t, Exec> first_vertex;     ///< of each mesh of one world; scenes with thick meshes have these two
+  Buffer<double, Exec> half_thickness;     ///< of each mesh
   Buffer<uint32_t, Exec> ring_begin;
   Buffer<uint32_t, Exec> ring_vertices;
   Buffer<uint32_t, Exec> neighbour_begin;  ///< of each vertex; scenes that advance have these three
@@ -234,12 +244,13 @@ struct WorkBuffers {
         layout(exec, "contacts"),
         exact_keys(exec, "exact"),
         exact_points(exec, "exact"),
+        exact_halves(exec, "exact"),
         sample(exec, "watched_positions") {}
 
   Buffer<Box<float>, Exec> boxes;
   Buffer<TriangleRecord<Real>, Exec> records;
   Buffer<Path<Real>, Exec> paths;  ///< of each vertex, where records do not have them
-  Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn
+  Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn or are thick
   Buffer<StepState, Exec> state;
   Buffer<uint64_t, Exec> triangle_pairs;
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
@@ -254,7 +265,8 @@ struct WorkBuffers {
   Buffer<ContactLayout, Exec> layout;  ///< of those there
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
-  Buffer<Vec3<Real>, Exec> sample;  ///< positions on their way to those who watch the scene
+  Buffer<PairHalves, Exec> exact_halves;  ///< of the keys; scenes with thick meshes
+  Buffer<Vec3<Real>, Exec> sample;        ///< positions on their way to those who watch the scene
 };
 
 template <Executor Exec, class Real>
@@ -285,7 +297,7 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
     this->boxes.allocate(triangles);
     this->records.allocate(triangles);
     if (kRoundsBoxes<Real>) this->paths.allocate(vertices);
-    if (may_turn()) this->inflations.allocate(triangles);
+    if (have_inflations()) this->inflations.allocate(triangles);
   }
 
   /// Nothing is expected any more: lists begin anew with what most scenes need.
@@ -299,8 +311,8 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
 
   TriangleRecords<Real> triangle_records() const { return {this->records.all(), this->paths.all()}; }
 
-  /// Of each triangle's boxes; empty where no mesh may turn, whatever an edit that was undone left there.
-  Span<Real> triangle_inflations() const { return may_turn() ? this->inflations.all() : Span<Real>{}; }
+  /// Of each triangle's boxes; empty where all have the same, whatever an edit that was undone left there.
+  Span<Real> triangle_inflations() const { return have_inflations() ? this->inflations.all() : Span<Real>{}; }
 
   /// At t = 0; in DCD the frame's own.
   const Vec3<Real>* positions_at_start(bool is_ccd) const { return is_ccd ? this->start.data() : this->end.data(); }
@@ -311,6 +323,10 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
     const RigidBuffers<Exec, Real>& rigid = this->rigid;
     return {rigid.first_vertex.data(), rigid.deviations.data(), static_cast<uint32_t>(rigid.first_vertex.capacity())};
   }
+  /// Returns the half thicknesses that count in a frame.
+  HalfThicknesses halves(const FrameSettings& settings) const {
+    return settings.differs_by_pair() ? this->topology.halves() : HalfThicknesses{};
+  }
   /// Returns how meshes turn on the part of their ways that they go.
   MeshTurns turns() const {
     const RigidBuffers<Exec, Real>& rigid = this->rigid;
@@ -319,7 +335,9 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
   }
 
  private:
-  bool may_turn() const { return this->rigid.deviations.capacity() > 0; }
+  bool have_inflations() const {
+    return this->rigid.deviations.capacity() > 0 || this->topology.half_thickness.capacity() > 0;
+  }
 };
 
 }  // namespace collided

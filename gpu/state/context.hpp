@@ -24,7 +24,7 @@ struct StepContext {
 
   /// Sets up the narrow phase once the bounds of the scene are known.
   PrepareNarrow prepare_narrow(const LevelNeeds& needs) const {
-    return {state(), needs.settings.reach(), scene.deviations(needs.is_ccd())};
+    return {state(), needs.settings.reach_of_any_pair(), scene.deviations(needs.is_ccd())};
   }
   /// Measures the bounds of the scene, which is all that the narrow phase needs to know of it.
   void measure_bounds_alone(const LevelNeeds& needs) const {

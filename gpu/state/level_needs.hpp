@@ -50,7 +50,7 @@ struct LevelNeeds {
   /// The step itself puts them where they are to stay; at kExact the host decides first which are contacts.
   bool places_contacts() const { return keeps_contacts() && !is_exact(); }
   /// At kExact: contacts of features are decided in the step, as far as that goes.
-  bool decides_in_step() const { return is_exact() && settings.thickness == 0; }
+  bool decides_in_step() const { return is_exact() && settings.thickness == 0 && !settings.differs_by_pair(); }
   bool has_times() const { return columns().has(ContactField::kToi); }
 
   /// Contacts have more than their ids.
@@ -75,7 +75,7 @@ struct LevelNeeds {
     return all;
   }
 
-  /// What boxes are grown by, so that all pairs are found that matter to the step.
+  /// Returns what boxes are grown by to find all pairs that matter to the step. Those of thick meshes grow by more.
   double reach() const { return max(settings.reach(), advances ? ways.reach() : 0.0); }
   /// A filter in float rules candidates out.
   bool has_filter() const { return settings.accuracy >= (is_ccd() ? Accuracy::kGuarded : Accuracy::kCertified); }
@@ -113,11 +113,14 @@ inline LevelNeeds needs_of_ways(const SceneSpec& spec, const WayRules& ways) {
   return needs;
 }
 
-/// Of the step that finds the pairs of features that are within rest_distance. They are where they are, whatever the
-/// scene's mode, and decided in exact arithmetic: a pair that is farther apart by any amount is not among them.
+/// Of the step that finds the pairs of features that are within rest_distance, or, if that is 0, in contact. They are
+/// where they are, whatever the scene's mode, and decided in exact arithmetic: a pair that is farther apart by any
+/// amount is not among them.
 inline LevelNeeds needs_of_rest_pairs(const SceneSpec& spec) {
-  const FrameSettings settings{Mode::kDcd,         Accuracy::kExact,   0,    Report::kAll,
-                               spec.rest_distance, spec.rest_distance, false};
+  const bool is_contact = spec.rest_distance == 0;
+  const double distance = is_contact ? spec.thickness : spec.rest_distance;
+  const FrameSettings settings{
+      Mode::kDcd, Accuracy::kExact, 0, Report::kAll, distance, distance, false, 0, is_contact ? thickest_of(spec) : 0};
   PerKind<bool> kinds = spec.kinds;
   kinds.triangle_triangle = false;
   return {settings, kinds, {ContactField::kElements}, true};

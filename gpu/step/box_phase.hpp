@@ -36,7 +36,7 @@ class BoxPhase {
           "box_triangles", {nullptr, (run.count + Work::kGroupSize - 1) / Work::kGroupSize},
           Work{motion(), deviations(), scene.topology.corners(), scene.topology.sides(), scene.topology.owned.all(),
                run.first, run.count, scene.boxes.all(), scene.records.all(), scene.paths.all(),
-               scene.triangle_inflations(), margin_, scene.stepped_worlds()});
+               scene.triangle_inflations(), margin_, scene.stepped_worlds(), scene.halves(needs_.settings)});
   }
 
   /// Counts the triangles that the spacing of the positions' numbers is too coarse for.

@@ -62,8 +62,8 @@ class CandidatePhase {
   const LevelNeeds& needs() const { return plan_.needs; }
   ContactKind first_kind() const { return first_of(needs().kinds); }
 
-  /// Scenes of triangles alone that leave nothing out and whose meshes keep to their paths have a search of their own,
-  /// which does not ask.
+  /// Scenes of triangles alone that leave nothing out, and whose meshes keep to their paths and are not thick by
+  /// themselves, have a search of their own, which does not ask.
   template <class Keep>
   void search_for(const Keep& keep, const PerKind<bool>& wanted) {
     // Rest pairs that rings leave out as well are kept, too: an edit may take the rings away.
@@ -73,7 +73,10 @@ class CandidatePhase {
     else
       search_for(keep, wanted, boxes_.elementary(wanted), NothingExcluded{});
   }
-  bool is_plain() const { return !scene_.deviations(needs().is_ccd()).is_needed() && !counts_.has_loose_elements(); }
+  bool is_plain() const {
+    return !scene_.deviations(needs().is_ccd()).is_needed() && !needs().settings.differs_by_pair() &&
+           !counts_.has_loose_elements();
+  }
   template <class Keep, class Tests, class Excluded>
   void search_for(const Keep& keep, const PerKind<bool>& wanted, const Tests& tests, const Excluded& excluded) {
     StepState* state = scene_.state.data();
@@ -95,8 +98,8 @@ class CandidatePhase {
   template <class Tests>
   void list_neighbours(const Tests& tests) {
     const FrameSettings& settings = needs().settings;
-    const MayTouchSoon<Real> may_touch{settings.reach(), scene_.deviations(needs().is_ccd()), settings.delta,
-                                       plan_.lists.margin, plan_.lists.frames + 1};
+    const MayTouchSoon<Real> may_touch{settings.reach_of_any_pair(), scene_.deviations(needs().is_ccd()),
+                                       settings.delta, plan_.lists.margin, plan_.lists.frames + 1};
     find_pairs("find_neighbours", first_kind(),
                NeighbourSink<Real, Tests>{{tests,
                                            may_touch,

@@ -18,7 +18,7 @@ namespace collided {
 
 template <class Real>
 struct MayTouchSoon {
-  double thickness;  ///< and what encoded positions are off
+  double thickness;  ///< the largest contact distance, and what encoded positions are off
   Deviations deviations;
   double delta, margin;
   double frames;  ///< from the beginning of this one to the end of the tracks

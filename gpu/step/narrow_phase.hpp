@@ -199,6 +199,7 @@ class NarrowPhase {
   }
 
   // The narrow phase of each level.
+  HalfThicknesses halves() const { return scene_.halves(needs().settings); }
   template <class Kind, class Candidate>
   CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, Span<const Candidate> candidates) const {
     return {scene_.positions_at_start(needs().is_ccd()),
@@ -207,7 +208,8 @@ class NarrowPhase {
             {needs().settings.encoding, scene_.deviations(true)},
             needs().settings.delta,
             kind,
-            candidates};
+            candidates,
+            halves()};
   }
   template <class Kind, class Candidate>
   CcdQueries<Real, Kind, Candidate> queries(const Kind& kind, const Buffer<Candidate, Exec>& candidates) const {
@@ -285,7 +287,7 @@ class NarrowPhase {
     exec_.for_each(
         "solve_cubic_ccd", count,
         SolveCubicCcd<Real, Kind>{scene_.positions_at_start(needs().is_ccd()), scene_.end.data(),
-                                  static_cast<Real>(needs().settings.thickness), kind, candidates, sink(Kind::kKind)});
+                                  needs().settings.thickness, kind, candidates, sink(Kind::kKind), halves()});
     if constexpr (std::is_same_v<Kind, VertexTriangle>)
       if (has_loose_elements_)
         exec_.for_each_resumable(
@@ -297,8 +299,8 @@ class NarrowPhase {
     const ContactSink<Real> contacts = sink(Kind::kKind);
     if (needs().settings.accuracy == Accuracy::kFast)
       exec_.for_each("test_proximity", count,
-                     TestProximity<Real, Kind>{scene_.end.data(), static_cast<Real>(needs().settings.thickness), kind,
-                                               candidates, contacts});
+                     TestProximity<Real, Kind>{scene_.end.data(), needs().settings.thickness, kind, candidates,
+                                               contacts, halves()});
     else if (needs().settings.accuracy == Accuracy::kGuarded)
       exec_.for_each("certify_proximity", count, proximity<float>(kind, candidates));
     else
@@ -308,9 +310,14 @@ class NarrowPhase {
   CertifyProximity<Work, Real, Kind> proximity(const Kind& kind, Span<const uint64_t> candidates) {
     const AppendList<uint64_t> near_misses{candidates_of(Kind::kKind).screened.all(),
                                            &scene_.state.data()->screened[kIndexOf<Kind>]};
-    return {
-        scene_.end.data(), needs().settings.thickness, needs().settings.encoding, kind, candidates, sink(Kind::kKind),
-        near_misses};
+    return {scene_.end.data(),
+            needs().settings.thickness,
+            needs().settings.encoding,
+            kind,
+            candidates,
+            sink(Kind::kKind),
+            near_misses,
+            halves()};
   }
   template <class Kind>
   void look_again(const Kind& kind) {

@@ -103,7 +103,7 @@ class Pipeline {
     planner_.resize(planned_scene());
     engines_.resize();
     narrow_.expect_loose_elements(counts_.has_loose_elements());
-    boxed_thickness_.reset();
+    boxed_.reset();
     numbers_.begin_anew();
   }
   /// Lists shrink to what they begin with.
@@ -114,7 +114,7 @@ class Pipeline {
     neighbours_.release();
     searcher_.release();
     placing_.begin_anew();
-    boxed_thickness_.reset();
+    boxed_.reset();
     planner_.forget_lists();
   }
 
@@ -132,17 +132,25 @@ class Pipeline {
   const ListLengths& list_lengths() const { return needed_; }
 
  private:
+  /// Says how far boxes are grown.
+  struct BoxWidth {
+    double reach;
+    bool counts_halves;  ///< those of thick meshes by more
+
+    bool operator==(const BoxWidth&) const = default;
+  };
+
   FrameResult detect(bool boxes_static, const LevelNeeds& needs, uint64_t bytes_beside_contact,
                      const ContactRoom& room) {
-    const double thickness = needs.reach();
+    const BoxWidth width{needs.reach(), needs.settings.differs_by_pair()};
     run_.begin();
     placing_.begin(room);
-    const bool is_boxed = std::exchange(boxed_thickness_, std::nullopt) == thickness;
+    const bool is_boxed = std::exchange(boxed_, std::nullopt) == width;
     planner_.begin(needs, found().bounds);
     const WorkTime time(exec_.asks());
     run_step(needs, boxes_static || !is_boxed || scene_.share.is_shard());
     const double work = time.milliseconds();
-    boxed_thickness_ = thickness;
+    boxed_ = width;
     contacts_.finish();
     needed_.include(lengths_of(found()));
     FrameResult result = describe();
@@ -363,9 +371,9 @@ class Pipeline {
   Results<Exec, Real> results_;
   StepPlanner planner_;
   PlanNumbers numbers_;
-  StepPlan plan_;                          ///< of the last step
-  TrackTimes times_{};                     ///< of the step in work
-  std::optional<double> boxed_thickness_;  ///< that all boxes have
+  StepPlan plan_;                  ///< of the last step
+  TrackTimes times_{};             ///< of the step in work
+  std::optional<BoxWidth> boxed_;  ///< of all boxes
   ListLengths needed_;
 };
 

@@ -215,9 +215,10 @@ class Results {
         settle(result_->triangle_triangle,
                [&](const auto& keys, ExactAnswer* answers, Normal*) { decide_triangles(keys, answers); });
   }
-  static uint64_t settling_bytes(size_t count) {
-    constexpr size_t kPoints = 8 * (sizeof(Vec3<Real>) + sizeof(Vec3<double>)) + sizeof(uint64_t);
-    return count * (sizeof(size_t) + sizeof(ExactAnswer) + sizeof(Normal)) + std::min(count, kSettledAtATime) * kPoints;
+  uint64_t settling_bytes(size_t count) const {
+    const size_t halves = needs_.settings.differs_by_pair() ? sizeof(PairHalves) : 0,
+                 points = 8 * (sizeof(Vec3<Real>) + sizeof(Vec3<double>)) + sizeof(uint64_t) + halves;
+    return count * (sizeof(size_t) + sizeof(ExactAnswer) + sizeof(Normal)) + std::min(count, kSettledAtATime) * points;
   }
   /// Returns how many were decided.
   template <class Decide>
@@ -250,11 +251,25 @@ class Results {
           "gather_points", keys.size(),
           GatherPoints<Real, Kind>{scene_.positions_at_start(needs_.is_ccd()), scene_.end.data(), kind, resident, out});
     });
-    const ExactQuestion question{Kind::kKind, needs_.is_ccd(), needs_.settings.thickness};
+    const std::vector<PairHalves> halves = gather_halves(kind, keys.size());
     decide_all(keys.size(), [&](uint64_t i) {
+      ExactQuestion question{Kind::kKind, needs_.is_ccd(), needs_.settings.thickness};
+      if (!halves.empty()) question.limit = {needs_.settings.thickness, halves[i].first, halves[i].second};
       answers[i] = decide_exactly(question, points[i]);
       if (normals != nullptr) normals[i] = normal_at<Kind>(points[i], answers[i].toi);
     });
+  }
+  /// Returns those of the pairs whose points were gathered last; none where all pairs have one distance.
+  template <class Kind>
+  std::vector<PairHalves> gather_halves(const Kind& kind, size_t count) {
+    const HalfThicknesses halves = scene_.halves(needs_.settings);
+    if (!halves.is_needed()) return {};
+    scene_.exact_halves.ensure(count);
+    exec_.for_each("gather_halves", count,
+                   GatherHalves<Kind>{halves, kind, scene_.exact_keys.span(count), scene_.exact_halves.span(count)});
+    std::vector<PairHalves> host(count);
+    exec_.download(host.data(), scene_.exact_halves.data(), count * sizeof(PairHalves));
+    return host;
   }
   template <class Kind>
   static Normal normal_at(const ExactPoints& p, double toi) {

@@ -24,6 +24,7 @@ class ShortenPhase {
   void begin(const LevelNeeds& needs) {
     rules_ = needs.ways;
     kinds_ = needs.kinds;
+    halves_ = scene_.halves(needs.settings);
     contacts_within_ = needs.tells_contacts ? needs.settings.reach() + needs.settings.delta : 0;
   }
   /// Makes room for the pairs that there is a list for.
@@ -65,7 +66,8 @@ class ShortenPhase {
                                              contacts_within_,
                                              scene_.deviations(true),
                                              candidates.all(),
-                                             {scene_.blocking[k].pairs.all(), &state()->blocking[k]}});
+                                             {scene_.blocking[k].pairs.all(), &state()->blocking[k]},
+                                             halves_});
     });
   }
   /// Measures the distances that these start at, and judges them where all vertices go all of their ways.
@@ -190,6 +192,7 @@ class ShortenPhase {
   SceneBuffers<Exec, Real>& scene_;
   WayRules rules_;
   double contacts_within_ = 0;  ///< what their positions say
+  HalfThicknesses halves_;      ///< of contacts
   PerKind<bool> kinds_ = {};
 };
 

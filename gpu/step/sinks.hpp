@@ -35,14 +35,16 @@ void with_filter(const LevelNeeds &needs, double thickness, const StepState *sta
     use(worlds.filters == nullptr ? MaybeCoplanar<Real>{&state->filter}
                                   : MaybeCoplanar<Real>{worlds.filters, worlds.triangles});
   else
-    use(NearInFloat<Real>{thickness});
+    use(NearInFloat<Real>{thickness, needs.settings.differs_by_pair()});
 }
 
-/// The filter of a pair whose lower triangle this is.
-template <class Keep>
-COLLIDED_HD Keep filter_at(const Keep &keep, uint32_t triangle) {
-  if constexpr (requires { keep.at(triangle); })
-    return keep.at(triangle);
+/// Returns the filter of a pair of triangles a < b, whose boxes are inflated as said.
+template <class Keep, class Inflation>
+COLLIDED_HD Keep filter_of(const Keep &keep, const Inflation &inflation, uint32_t a, uint32_t b) {
+  if constexpr (requires { keep.at(a); })
+    return keep.at(a);
+  else if constexpr (Inflation::kDiffers && requires { keep.between(inflation.of(a), inflation.of(b)); })
+    return keep.between(inflation.of(a), inflation.of(b));
   else
     return keep;
 }
@@ -103,20 +105,21 @@ struct FeatureSink {
   /// Whether there is use in taking more (AppendList::push).
   COLLIDED_HD bool take_first(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.vertex_triangle_points(a, b, test);
-    return !filter_at(keep, a)(VertexTriangle{}, candidate.points) || vertex_triangle.push(candidate.key);
+    return !filter(a, b)(VertexTriangle{}, candidate.points) || vertex_triangle.push(candidate.key);
   }
   COLLIDED_HD bool take_second(uint32_t a, uint32_t b, int test) const {
     const CandidatePoints<Real> candidate = tests.edge_edge_points(a, b, test);
-    return !filter_at(keep, a)(EdgeEdge{}, candidate.points) ||
-           edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
+    return !filter(a, b)(EdgeEdge{}, candidate.points) || edge_edge.push(candidate.key + (uint64_t{edge_rank} << 32));
   }
   /// The same in two parts: whether the filter keeps a candidate, and its key.
   COLLIDED_HD bool keeps_first(uint32_t a, uint32_t b, int test) const {
-    return kKeepsAll || filter_at(keep, a)(VertexTriangle{}, tests.vertex_triangle_points(a, b, test).points);
+    return kKeepsAll || filter(a, b)(VertexTriangle{}, tests.vertex_triangle_points(a, b, test).points);
   }
   COLLIDED_HD bool keeps_second(uint32_t a, uint32_t b, int test) const {
-    return kKeepsAll || filter_at(keep, a)(EdgeEdge{}, tests.edge_edge_points(a, b, test).points);
+    return kKeepsAll || filter(a, b)(EdgeEdge{}, tests.edge_edge_points(a, b, test).points);
   }
+  /// Returns the filter for features of triangles a < b.
+  COLLIDED_HD Keep filter(uint32_t a, uint32_t b) const { return filter_of(keep, tests.inflation, a, b); }
   COLLIDED_HD uint64_t first_key(uint32_t vertex, uint32_t triangle) const { return pack_ids(vertex, triangle); }
   COLLIDED_HD uint64_t second_key(uint32_t edge, uint32_t other) const {
     return pack_ids(min(edge, other), max(edge, other)) + (uint64_t{edge_rank} << 32);

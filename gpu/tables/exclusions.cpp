@@ -83,6 +83,28 @@ IdleMeshes idle_meshes(const SceneSpec& spec) {
   return idle;
 }
 
+// Meshes of one rule are looked at together: pairs of two rules that may touch are gone through only as long as they
+// are excluded one by one.
+std::optional<std::array<uint32_t, 2>> find_tested_pair(const SceneSpec& spec, const std::vector<bool>& among) {
+  const std::vector<MeshRule> rules = rules_without_branches(spec);
+  const std::vector<uint64_t> slots = excluded_mesh_slots(spec);
+  const KeySet excluded{Span<const uint64_t>(slots.data(), slots.size())};
+  std::map<std::tuple<uint32_t, uint32_t, uint32_t>, std::vector<uint32_t>> like;
+  for (uint32_t i = 0; i < rules.size(); ++i) {
+    if (!among[i] || spec.meshes[i].vertex_count == 0) continue;
+    if (touches_itself(rules[i])) return {{i, i}};
+    like[{rules[i].groups, rules[i].collide_mask, rules[i].is_static}].push_back(i);
+  }
+  for (auto one = like.begin(); one != like.end(); ++one)
+    for (auto other = one; other != like.end(); ++other) {
+      if (!may_touch(rules[one->second.front()], rules[other->second.front()])) continue;
+      for (const uint32_t i : one->second)
+        for (const uint32_t j : other->second)
+          if (i != j && !excluded.has(pack_ids(std::min(i, j), std::max(i, j)))) return {{i, j}};
+    }
+  return std::nullopt;
+}
+
 bool needs_pair_filter(const SceneSpec& spec) {
   const auto is_limited = [](const MeshSpec& m) {
     return m.groups != 1 || m.collide_mask != ~0u || !m.self_contacts || m.motion != MeshMotion::kDeformable;

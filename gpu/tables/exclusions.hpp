@@ -1,6 +1,8 @@
 #pragma once
 // Which meshes of a scene may touch which, from its spec.
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "gpu/base/mesh_filter.hpp"
@@ -20,6 +22,10 @@ bool may_touch(const std::vector<MeshRule>& rest_rules);
 
 /// Meshes that may touch nothing.
 IdleMeshes idle_meshes(const SceneSpec& spec);
+
+/// Returns two of the meshes marked in `among` whose features are tested against each other, a mesh and itself
+/// included.
+std::optional<std::array<uint32_t, 2>> find_tested_pair(const SceneSpec& spec, const std::vector<bool>& among);
 
 /// Whether some pair of triangles may not touch because of its meshes.
 bool needs_pair_filter(const SceneSpec& spec);

@@ -14,19 +14,24 @@ bool share_a_vertex(const std::array<uint32_t, 3>& a, const std::array<uint32_t,
 
 }  // namespace
 
-CaseJudge::CaseJudge(const Case& c, Mode mode, double thickness) : queries_(c), mode_(mode), thickness_(thickness) {}
+CaseJudge::CaseJudge(const Case& c, Mode mode, double thickness) : queries_(c), mode_(mode), thickness_(thickness) {
+  for (const MeshSpec& mesh : c.meshes) halves_.push_back(mesh.half_thickness);
+}
 
-ExactImpact CaseJudge::judge(const Query& query) const {
-  if (mode_ == Mode::kCcd) return judge_ccd(query, thickness_);
+ExactImpact CaseJudge::judge(const Query& query, const Thickness& thickness) const {
+  if (mode_ == Mode::kCcd) return judge_ccd(query, thickness);
   const std::array<Vec3d, 4> at_end{query.p[4], query.p[5], query.p[6], query.p[7]};
-  return {judge_proximity(query.kind, at_end, thickness_), 0, 0};
+  return {judge_proximity(query.kind, at_end, thickness), 0, 0};
 }
 
 Truth CaseJudge::judge(QueryKind kind, const Pairs& pairs) const {
   Truth truth;
   for (const auto& [first, second] : pairs) {
     const PairKey key = key_of(first, second);
-    ExactImpact impact = judge(queries_.of_pair(kind, key));
+    const auto vertices = queries_.vertices_of(kind, key);
+    const auto half = [&](uint32_t vertex) { return halves_[queries_.features().mesh_of_vertex[vertex]]; };
+    ExactImpact impact =
+        judge(queries_.of_vertices(kind, vertices), {thickness_, half(vertices[0]), half(vertices[3])});
     if (impact.hit) truth.emplace(key, std::move(impact));
   }
   return truth;

@@ -12,7 +12,7 @@ using Truth = std::map<PairKey, ExactImpact>;
 
 class CaseJudge {
  public:
-  /// The case has to be rounded to the scene's scalar type already.
+  /// The case has to be rounded to the scene's scalar type already. Half thicknesses are those of its meshes.
   CaseJudge(const Case& c, Mode mode, double thickness);
 
   using Pairs = std::span<const std::array<uint32_t, 2>>;
@@ -23,9 +23,10 @@ class CaseJudge {
 
  private:
   Truth judge(QueryKind kind, const Pairs& pairs) const;
-  ExactImpact judge(const Query& query) const;
+  ExactImpact judge(const Query& query, const Thickness& thickness) const;
 
   CaseQueries queries_;
+  std::vector<double> halves_;  ///< of each mesh
   Mode mode_;
   double thickness_;
 };

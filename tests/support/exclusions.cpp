@@ -67,7 +67,10 @@ bool Exclusions::are_close_at_rest(ContactKind kind, PairKey pair) const {
   if (kind == ContactKind::kTriangleTriangle) return false;
   const QueryKind query = kind == ContactKind::kEdgeEdge ? QueryKind::kEdgeEdge : QueryKind::kVertexTriangle;
   const Query q = rest_.of_pair(query, pair);
-  return judge_proximity(query, {q.p[4], q.p[5], q.p[6], q.p[7]}, spec_.rest_distance);
+  const double half = spec_.meshes[rest_.features().mesh_of_vertex[rest_.vertices_of(query, pair)[0]]].half_thickness;
+  const Thickness within =
+      spec_.rest_distance > 0 ? Thickness(spec_.rest_distance) : Thickness(spec_.thickness, half, half);
+  return judge_proximity(query, {q.p[4], q.p[5], q.p[6], q.p[7]}, within);
 }
 
 // Row by row: one vertex, those beside it, those beside them, ...

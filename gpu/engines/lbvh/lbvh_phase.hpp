@@ -117,8 +117,8 @@ class LbvhPhase : public BroadPhaseDefaults {
   void measure_worlds() {
     WorldBuffers<Exec>& worlds = scene_.worlds;
     exec_.for_each_group("measure_worlds", {nullptr, counts_.worlds},
-                         MeasureWorlds{boxes(), leaves_of_world(), needs_.settings.reach(), worlds.bounds.data(),
-                                       worlds.extents.data(), worlds.filters.data()});
+                         MeasureWorlds{boxes(), leaves_of_world(), needs_.settings.reach_of_any_pair(),
+                                       worlds.bounds.data(), worlds.extents.data(), worlds.filters.data()});
   }
   /// The leaves' keys; returns their bits.
   int key_worlds() {

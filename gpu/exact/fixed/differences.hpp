@@ -3,12 +3,15 @@
 //
 // With W limbs a coordinate is below 2^(64 W - 4). That leaves room for all sums, w = 64 W:
 //   differences                          below 2^(w - 3)
+//   a contact distance D, the sum of three numbers: below 3 * 2^(w - 4)
 //   their cross products, at any power of t, and sums of three:        below 2^(2 w - 2)
 //   the volume, at any power of t        below 2^(3 w - 3)
+//   (D |n|)^2 with the features' normal n, at any power of t: below 20 * 9 * 9 * 2^(6 w - 20)
 //   the volume at a time k / 2^60, times 2^180: below 2^(3 w + 180)
 
 #include <climits>
 
+#include "gpu/base/contact_distance.hpp"
 #include "gpu/contact_set.hpp"
 #include "gpu/exact/fixed/motion.hpp"
 
@@ -27,6 +30,7 @@ class Unit {
   COLLIDED_HD void see(const Vec3<double> (&points)[n]) {
     for (const Vec3<double>& p : points) see(p.x), see(p.y), see(p.z);
   }
+  COLLIDED_HD void see(const ContactDistance& x) { see(x.thickness), see(x.first), see(x.second); }
   /// Whether W limbs will do for the numbers seen.
   template <int W>
   COLLIDED_HD bool fits() const {
@@ -47,6 +51,11 @@ class Unit {
   template <int W>
   COLLIDED_HD Vec3<Integer<W>> count(const Vec3<double>& p) const {
     return {count<W>(p.x), count<W>(p.y), count<W>(p.z)};
+  }
+
+  template <int W>
+  COLLIDED_HD Integer<W> count(const ContactDistance& x) const {
+    return count<W>(x.thickness) + count<W>(x.first) + count<W>(x.second);
   }
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 // Features that a direction keeps apart: their differences are linear in time, and so are the differences' components
-// along a fixed direction d. Where all of them are above the thickness at both ends of the step, they are so between.
-// The thickness counts as a coordinate, as in within.hpp.
+// along a fixed direction d. Where all of them are above the contact distance at both ends of the step, they are so
+// between. The bounds of differences.hpp hold here, too.
 
 #include "gpu/exact/fixed/differences.hpp"
 
@@ -13,8 +13,8 @@ enum class Apart : uint8_t { kPerhaps, kBeforeEnd, kAlways };
 template <ContactKind kind, int W>
 class Separation {
  public:
-  COLLIDED_HD Separation(const Differences<kind, W>& features, const Integer<W>& thickness)
-      : features_(features), squared_(thickness * thickness) {}
+  COLLIDED_HD Separation(const Differences<kind, W>& features, const Integer<W>& limit)
+      : features_(features), squared_(limit * limit) {}
 
   /// The first of the features' common normals and of the differences at both ends that shows something.
   COLLIDED_HD Apart look() const {

@@ -1,6 +1,6 @@
 #pragma once
-// Signs of determinants decide if features at rest are within a thickness of each other, in the cases of
-// exact/features.cpp. The thickness counts as a coordinate, so the bounds of differences.hpp hold for all sums.
+// Signs of determinants decide if features at rest are within a contact distance of each other, in the cases of
+// exact/features.cpp. The bounds of differences.hpp hold for all sums.
 
 #include "gpu/exact/fixed/differences.hpp"
 
@@ -10,8 +10,8 @@ namespace collided::exact::fixed {
 template <ContactKind kind, int W>
 class Within {
  public:
-  COLLIDED_HD Within(const Differences<kind, W>& features, const Integer<W>& thickness)
-      : d_(features.d), squared_(thickness * thickness) {}
+  COLLIDED_HD Within(const Differences<kind, W>& features, const Integer<W>& limit)
+      : d_(features.d), squared_(limit * limit) {}
 
   COLLIDED_HD bool run() const {
     for (int i = 0; i < Differences<kind, W>::kCount; ++i)

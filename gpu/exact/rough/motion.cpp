@@ -28,10 +28,10 @@ Axis axis_of(const double (&at)[4]) {
   return axis;
 }
 
-RoughMotion::End end_of(const Vec3<double> (&p)[4], double s, double t, double thickness) {
+RoughMotion::End end_of(const Vec3<double> (&p)[4], double s, double t, const ContactDistance& limit) {
   return {rough(s),
           rough(t),
-          rough(thickness),
+          rough(limit.thickness) + rough(limit.first) + rough(limit.second),
           {axis_of({p[0].x, p[1].x, p[2].x, p[3].x}), axis_of({p[0].y, p[1].y, p[2].y, p[3].y}),
            axis_of({p[0].z, p[1].z, p[2].z, p[3].z})}};
 }
@@ -54,8 +54,8 @@ RoughNumber scaled(const RoughNumber& x, int exponent) {
 
 }  // namespace
 
-RoughMotion::RoughMotion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness)
-    : ends_{end_of(start, 1, 0, thickness), end_of(end, 0, 1, thickness)} {}
+RoughMotion::RoughMotion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], const ContactDistance& limit)
+    : ends_{end_of(start, 1, 0, limit), end_of(end, 0, 1, limit)} {}
 
 double RoughMotion::ratio_at(const RoughForm::Place& place) const {
   constexpr int64_t kFar = 12000;
@@ -76,7 +76,7 @@ std::optional<RoughMotion::End> RoughMotion::meeting(size_t axis, size_t i, size
   const RoughNumber from = scaled(is_rising ? q1 : -q1, exponent), to = scaled(is_rising ? -q0 : q0, exponent);
   const auto combined = [&](const RoughNumber& a, const RoughNumber& b) { return from * a + to * b; };
   const auto &start = ends_[0], &end = ends_[1];
-  End at{combined(start.s, end.s), combined(start.t, end.t), combined(start.thickness, end.thickness), {}};
+  End at{combined(start.s, end.s), combined(start.t, end.t), combined(start.limit, end.limit), {}};
   for (size_t k = 0; k < 3; ++k)
     for (size_t a = 0; a < 4; ++a) {
       at.axes[k].at[a] = combined(start.axes[k].at[a], end.axes[k].at[a]);
@@ -92,7 +92,7 @@ std::optional<RoughMotion::End> RoughMotion::meeting(size_t axis, size_t i, size
       met.difference[a][b] = b == i || b == j ? RoughNumber{} : equal - met.at[b];
       met.difference[b][a] = -met.difference[a][b];
     }
-  if (!is_ordinary(at.s) || !is_ordinary(at.t) || !is_ordinary(at.thickness) ||
+  if (!is_ordinary(at.s) || !is_ordinary(at.t) || !is_ordinary(at.limit) ||
       !std::all_of(at.axes.begin(), at.axes.end(), [](const Axis& a) { return is_ordinary(a); }))
     return std::nullopt;
   return at;

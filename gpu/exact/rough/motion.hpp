@@ -8,6 +8,7 @@
 #include <array>
 #include <optional>
 
+#include "gpu/base/contact_distance.hpp"
 #include "gpu/exact/roots/rough.hpp"
 #include "gpu/exact/rough/polynomial.hpp"
 
@@ -24,12 +25,12 @@ class RoughMotion {
     bool are_equal(size_t i, size_t j) const { return difference[i][j].size == 0; }
   };
   struct End {
-    RoughNumber s, t, thickness;  ///< s and t: of the whole way, times a number
+    RoughNumber s, t, limit;  ///< s and t: of the whole way, times a number; limit: the contact distance
     std::array<Axis, 3> axes;
   };
 
   /// The whole way.
-  RoughMotion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], double thickness);
+  RoughMotion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], const ContactDistance& limit);
 
   const End& end(int i) const { return ends_[static_cast<size_t>(i)]; }
   /// t / s of the whole way at a place of this one.

@@ -4,8 +4,9 @@
 // the sum: integers of thousands of bits would show no more.
 //
 // A number's size is the sum of its terms' magnitudes. With u = 2^-64, n roundings one after the other leave it within
-// (1 + u)^n - 1 of its size. The forms of exact/features.cpp take at most 128 (90 where a way was cut twice,
-// rough_motion.hpp), so they are within 2^-57. A number that is not below kKnownShare of its size is known to 2^-52.
+// (1 + u)^n - 1 of its size. The forms of exact/features.cpp take at most 128 (94 where a way was cut twice,
+// rough_motion.hpp; a contact distance is the sum of three numbers), so they are within 2^-57. A number that is not
+// below kKnownShare of its size is known to 2^-52.
 
 #include <limits>
 

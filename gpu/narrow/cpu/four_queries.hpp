@@ -40,13 +40,10 @@ struct FourQueries {
  private:
   template <class Real>
   Four<float> widened_thickness(const CcdQueries<Real, Kind, uint64_t>& queries) const {
-    if (!queries.doubt.deviations.is_needed())
-      return scaled_thickness<float>(Deviations::widened(queries.thickness, queries.doubt.encoding), d.scale);
+    if (queries.has_one_distance()) return scaled_thickness<float>(queries.doubtful_distance_of(keys[0]), d.scale);
     Four<float> out;
-    for (int lane = 0; lane < 4; ++lane) {
-      const double widened = Deviations::widened(queries.thickness, queries.doubt_of(keys[lane]));
-      out.set(lane, scaled_thickness<float>(widened, d.scale[lane]));
-    }
+    for (int lane = 0; lane < 4; ++lane)
+      out.set(lane, scaled_thickness<float>(queries.doubtful_distance_of(keys[lane]), d.scale[lane]));
     return out;
   }
 };

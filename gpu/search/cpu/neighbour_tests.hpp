@@ -26,7 +26,7 @@ class NeighbourTester {
     if (!sink_.overlap_first(a, b, test) || sink_.excludes_first(a, b, test)) return;
     ++counts_[0];
     const auto candidate = sink_.tests.vertex_triangle_points(a, b, test);
-    if (sink_.keep(VertexTriangle{}, candidate.points)) first_.push(candidate.key);
+    if (sink_.filter(a, b)(VertexTriangle{}, candidate.points)) first_.push(candidate.key);
   }
   void test_second(uint64_t packed) {
     const auto [a, b, of_kind] = PackedTest::unpacked(packed);
@@ -34,7 +34,8 @@ class NeighbourTester {
     if (!sink_.overlap_second(a, b, test) || sink_.excludes_second(a, b, test)) return;
     ++counts_[1];
     const auto candidate = sink_.tests.edge_edge_points(a, b, test);
-    if (sink_.keep(EdgeEdge{}, candidate.points)) second_.push(candidate.key + (uint64_t{sink_.edge_rank} << 32));
+    if (sink_.filter(a, b)(EdgeEdge{}, candidate.points))
+      second_.push(candidate.key + (uint64_t{sink_.edge_rank} << 32));
   }
   void finish() {
     first_.flush();

@@ -26,8 +26,8 @@ class ListLife {
     frames_ = off_ = last_ = 0;
   }
   bool serve(const FrameSettings& settings) const {
-    return plan_.use == ListUse::kMade && settings.reach() <= settings_.reach() && settings.delta <= settings_.delta &&
-           frames_ < plan_.frames && off_ + kUneven * last_ <= plan_.margin;
+    return plan_.use == ListUse::kMade && settings.reach_of_any_pair() <= settings_.reach_of_any_pair() &&
+           settings.delta <= settings_.delta && frames_ < plan_.frames && off_ + kUneven * last_ <= plan_.margin;
   }
   /// A frame that reuses them, or tried to.
   void observe(const Displacement& found) {

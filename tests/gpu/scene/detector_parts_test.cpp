@@ -126,6 +126,7 @@ TEST_F(DetectorParts, WhatIsNotAskedForTakesNoMemory) {
   expect_adds({"bvh"}, [](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; });
   expect_adds({"all_pairs"}, [](SceneSpec& spec, Case&) { spec.engine = Engine::kAllPairs; });
   expect_adds({"pair_filter"}, [](SceneSpec&, Case& c) { c.meshes[0].groups = 2; });
+  expect_adds({"half_thickness"}, [](SceneSpec&, Case& c) { c.meshes[0].half_thickness = 0.01; });
   EXPECT_FALSE(parts_with([](SceneSpec& spec, Case&) { spec.engine = Engine::kLbvh; }).contains("octree"));
 }
 

@@ -175,6 +175,17 @@ TEST_F(Worlds, LooseElementsAreThoseOfTheWorld) {
   for (int frame = 0; frame < 2; ++frame) scenes.expect_same(all_worlds(), frame);
 }
 
+TEST_F(Worlds, MeshesAreAsThickInEach) {
+  Case meshes = of_one_world();
+  meshes.meshes[0].half_thickness = 0.01;
+  meshes.meshes[1].half_thickness = 0.03;
+  for (const Mode mode : {Mode::kDcd, Mode::kCcd})
+    for (const Accuracy accuracy : kLevels) {
+      Scenes scenes(settings(mode, accuracy, Scalar::kF64, 0x1p-8), meshes);
+      for (int frame = 0; frame < 2; ++frame) EXPECT_GT(scenes.expect_same(all_worlds(), frame), 100u);
+    }
+}
+
 TEST_F(Worlds, AFrameMayBeOfSomeOfThem) {
   for (const Mode mode : {Mode::kDcd, Mode::kCcd}) {
     Scenes scenes(settings(mode, Accuracy::kCertified, Scalar::kF32, 0x1p-6), of_one_world());

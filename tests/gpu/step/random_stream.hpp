@@ -14,7 +14,8 @@
 
 namespace collided::test {
 
-/// Two sheets, one with a loose edge and a particle, over a static one, beside a rigid one.
+/// Two sheets, one with a loose edge and a particle, over a static one, beside a rigid one; some are thick by
+/// themselves.
 class RandomStream {
  public:
   static constexpr uint32_t kSide = 5;  ///< vertices of a sheet's side
@@ -36,6 +37,8 @@ class RandomStream {
     spec_.meshes[2].excludes_rest_pairs = seed % 5 == 0;
     spec_.rest_distance = seed % 5 == 0 ? 0.3 : 0;
     spec_.meshes[3].motion = MeshMotion::kRigid;
+    is_thick_ = seed % 4 == 1 || seed % 24 == 0;
+    if (is_thick_) spec_.meshes[1].half_thickness = 0.06, spec_.meshes[3].half_thickness = 0.02;
   }
 
   const SceneSpec& spec() const { return spec_; }
@@ -117,6 +120,7 @@ class RandomStream {
     } else {
       MeshSpec torn = spec_.meshes[2];
       torn.triangles.resize(torn.triangles.size() - random(3));
+      if (is_thick_) torn.half_thickness = 0.01 * static_cast<double>(torn.triangles.size() % 3);
       edit.meshes.push_back({2, torn});
     }
     if (!input.trial) is_excluded_ = is_excluded_ != (edit.meshes.empty());
@@ -128,7 +132,7 @@ class RandomStream {
   std::vector<Positions> places_;
   std::vector<OwnedUpdate> updates_;
   double angle_ = 0, shift_ = 0;
-  bool is_excluded_ = false;
+  bool is_excluded_ = false, is_thick_ = false;
 };
 
 /// A frame that is given up on its way.

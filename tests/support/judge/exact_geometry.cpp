@@ -51,17 +51,20 @@ std::vector<Polynomial> inside_edges(const ExactQuery& q, const PolynomialVector
 
 }  // namespace
 
-ExactQuery exact_query(const Query& query, double thickness) {
-  if (thickness < 0) throw std::invalid_argument("exact judge: the thickness is negative");
+ExactQuery exact_query(const Query& query, const Thickness& thickness) {
+  int lowest = std::numeric_limits<int>::max();
+  for (const double part : thickness.parts) {
+    if (part < 0) throw std::invalid_argument("exact judge: the thickness is negative");
+    lowest = std::min(lowest, binary(part).exponent);
+  }
   std::array<std::array<Binary, 3>, 8> coordinates;
-  const Binary width = binary(thickness);
-  int lowest = width.exponent;
   for (int i = 0; i < 8; ++i)
     for (int k = 0; k < 3; ++k) {
       coordinates[i][k] = binary(query.p[i][k]);
       lowest = std::min(lowest, coordinates[i][k].exponent);
     }
-  ExactQuery q{query.kind, {}, integer(width, lowest)};
+  ExactQuery q{query.kind, {}, 0};
+  for (const double part : thickness.parts) q.thickness += integer(binary(part), lowest);
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 3; ++k) {
       std::vector<mpz_class> c(2);

@@ -17,7 +17,7 @@ struct ExactQuery {
 };
 
 /// Throws std::invalid_argument, see exact_judge.hpp.
-ExactQuery exact_query(const Query& query, double thickness);
+ExactQuery exact_query(const Query& query, const Thickness& thickness);
 
 /// Four points as a query that stands still.
 Query standing(QueryKind kind, const std::array<Vec3d, 4>& p);

@@ -86,13 +86,13 @@ ExactImpact first_time_within(const ExactQuery& q) {
   return best;
 }
 
-ExactImpact judge_ccd(const Query& query, double thickness) {
-  if (thickness == 0) return judge_ccd(query);
+ExactImpact judge_ccd(const Query& query, const Thickness& thickness) {
+  if (thickness.is_zero()) return judge_ccd(query);
   const ExactQuery q = exact_query(query, thickness);
   return apart_along_an_axis(q) ? ExactImpact{} : first_time_within(q);
 }
 
-bool judge_proximity(QueryKind kind, const std::array<Vec3d, 4>& p, double thickness) {
+bool judge_proximity(QueryKind kind, const std::array<Vec3d, 4>& p, const Thickness& thickness) {
   return judge_ccd(standing(kind, p), thickness).hit;
 }
 
