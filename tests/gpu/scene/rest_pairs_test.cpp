@@ -171,35 +171,6 @@ TEST_F(RestPairs, ATooSmallQuotaRefusesTheFrameAndNothingElse) {
   EXPECT_EQ(quota->held(), 0u);
 }
 
-// Where rest_distance is 0, each mesh has its own contact distance. An edit that changes it counts like a first frame;
-// one that does not, or of a scene with a rest_distance, leaves the pairs that there are.
-TEST_F(RestPairs, AreThoseOfAnEditThatChangesTheMeshsOwnDistance) {
-  const Case wide = cloth(flat_grid(12, 3 * kSpacing), {}), rest = cloth(flat_grid(12, kSpacing), {});
-  for (const double rest_distance : {0.0, kThickness}) {
-    SceneSpec spec = cloth_spec(12, Mode::kDcd, true, rest_distance);
-    spec.thickness = 0;
-    spec.meshes[0].half_thickness = kThickness / 2;
-    const auto detector = Detector::create(spec);
-    detect(*detector, spec, wide);
-    const size_t all = count_contacts(detect(*detector, spec, rest));
-    EXPECT_GT(all, 0u);
-    const auto found_after = [&](double half_thickness) {
-      const Frame frame(rest, spec.mode, spec.scalar);
-      FrameInput input = frame.input();
-      MeshSpec kept = spec.meshes[0];
-      kept.triangles.clear();
-      kept.half_thickness = half_thickness;
-      input.edit = std::make_shared<const SceneEdit>(SceneEdit{.meshes = {{0, kept}}});
-      return count_contacts(detector->detect(input));
-    };
-    EXPECT_EQ(found_after(kThickness / 2), all);
-    if (rest_distance == 0)
-      EXPECT_EQ(found_after(1.001 * kThickness / 2), 0u);
-    else
-      EXPECT_GE(found_after(1.001 * kThickness / 2), all);
-  }
-}
-
 // An advance asks for min_separation; pairs that are closer at rest neither stop it nor are certified.
 TEST_F(RestPairs, DoNotStopAnAdvance) {
   constexpr uint32_t kSide = 12;
