@@ -48,6 +48,7 @@ MeshSpec parse_mesh(const collided_mesh& from, const std::string& field) {
   mesh.self_contacts = from.no_self_contacts == 0;
   mesh.excluded_rings = from.excluded_rings;
   mesh.excludes_rest_pairs = from.excludes_rest_pairs != 0;
+  mesh.half_thickness = from.half_thickness;
   return mesh;
 }
 
@@ -186,8 +187,7 @@ Spec parse_spec(const collided_scene_spec* pointer) {
     engine.meshes.push_back(parse_mesh(read_element(from.meshes, i, "meshes"), "meshes[" + std::to_string(i) + "]"));
   engine.excluded_meshes = copy_array<std::array<uint32_t, 2>>(from.excluded_meshes, from.excluded_mesh_count,
                                                                "excluded_meshes", "excluded_mesh_count");
-  const bool has_rest_pairs = std::ranges::any_of(engine.meshes, &MeshSpec::excludes_rest_pairs);
-  engine.rest_distance = from.rest_distance == 0 && has_rest_pairs ? from.thickness : from.rest_distance;
+  engine.rest_distance = from.rest_distance;
   engine.device = parse_place(from.device);
   return spec;
 }

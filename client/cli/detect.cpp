@@ -11,6 +11,7 @@
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/input/step_input.hpp"
 #include "client/app/options/exclusion_options.hpp"
+#include "client/app/options/half_thickness.hpp"
 #include "client/app/options/options.hpp"
 #include "client/app/options/usage_error.hpp"
 #include "client/app/output/contact_files.hpp"
@@ -129,10 +130,11 @@ bool has_files(const DetectOptions& options) {
 }
 
 /// Says in sentences what was found, and what the reader changed in the files.
-Json found_in_words(const StepInput& step, const client::FrameOutput& output, const v1::SceneSpec& spec) {
-  const Touching touching{step.meshes, step.end, output, spec};
+Json found_in_words(const StepInput& step, const std::vector<client::MeshInput>& meshes,
+                    const client::FrameOutput& output, const v1::SceneSpec& spec) {
+  const Touching touching{meshes, step.end, output, spec};
   const bool stands_still = step.start.empty();
-  Json out = {{"found", stands_still ? touching_text(touching) : step_text(step.name, output.done, spec)}};
+  Json out = {{"found", stands_still ? touching_text(touching) : step_text(step.name, touching)}};
   if (stands_still) out["touching"] = touching_json(touching);
   if (!step.notes.empty()) out["notes"] = step.notes;
   return out;
@@ -144,7 +146,7 @@ void run(const DetectOptions& options) {
   check_writable("--vtp", options.vtp);
   check_writable("--ply", options.ply);
   const StepInput step = read_step(options);
-  std::vector<client::MeshInput> meshes = mesh_inputs(step.meshes);
+  std::vector<client::MeshInput> meshes = thick_inputs(step.meshes, options.detection);
   options.exclusions.apply_to(meshes);
   for (client::MeshInput& mesh : meshes) mesh.no_self_contacts = meshes.size() > 1 && !options.has_self_contacts;
   v1::SceneSpec spec =
@@ -159,7 +161,7 @@ void run(const DetectOptions& options) {
   client::FrameStream stream = connection.stream(*scene);
   const client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
-  Json summary = found_in_words(step, output, spec);
+  Json summary = found_in_words(step, meshes, output, spec);
   summary["scene"] = scene_json(*scene);
   summary.update(found_json(output.done, spec));
   summary.update(advance_json(output));
@@ -190,6 +192,7 @@ void add_detect(CLI::App& app) {
       ->expected(1, 2);
   command.add_flag("--self", options->has_self_contacts, "Several meshes: also test each against itself");
   add_detection_options(command, options->detection);
+  add_half_thickness_option(command, options->detection);
   add_advance_options(command, options->detection);
   add_ring_option(command, options->exclusions.rings);
   add_server_options(command, options->server);

@@ -7,6 +7,7 @@
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/options/exclusion_options.hpp"
 #include "client/app/options/finite.hpp"
+#include "client/app/options/half_thickness.hpp"
 #include "client/app/options/options.hpp"
 #include "client/app/options/scene_options.hpp"
 #include "client/app/options/usage_error.hpp"
@@ -137,7 +138,7 @@ SceneCost cost_of(const Workload& workload, const v1::EstimateSceneResponse& est
 
 Capacity capacity_of(const EstimateOptions& options) {
   const BenchInput input = read_input(options);
-  const std::vector<client::MeshInput> meshes = mesh_inputs(input.meshes);
+  const std::vector<client::MeshInput> meshes = thick_inputs(input.meshes, options.detection);
   const v1::SceneSpec spec = spec_of(options, input);
   Connection connection(options.server);
   v1::SceneSpec estimated = spec;
@@ -249,6 +250,7 @@ void add_estimate(CLI::App& app) {
   add_input_options(command, *options);
   add_workload_options(command, *options);
   add_detection_options(command, options->detection);
+  add_half_thickness_option(command, options->detection);
   add_mesh_pairs_option(command, options->exclusions);
   add_server_options(command, options->server);
   add_position_format_option(command, options->position_format);

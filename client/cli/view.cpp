@@ -13,6 +13,7 @@
 #include "client/app/daemon/interrupt.hpp"
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/options/finite.hpp"
+#include "client/app/options/half_thickness.hpp"
 #include "client/app/options/options.hpp"
 #include "client/app/options/scene_options.hpp"
 #include "client/app/options/usage_error.hpp"
@@ -80,12 +81,12 @@ struct Demo {
   Demo(const ViewCommand& options, Connection& connection)
       : motion(options.files.empty() ? scene_motion(options.demo) : file_motion(options.files)),
         spec(scene_spec(options.server, options.detection, choose_format(kAutomaticFormat, motion.is_double))),
-        scene(make_scene(connection)),
+        scene(make_scene(options.detection, connection)),
         stream(connection.stream(*scene)) {}
 
-  SceneGuard make_scene(Connection& connection) {
+  SceneGuard make_scene(const DetectionOptions& detection, Connection& connection) {
     spec.set_display_name(shown_name(motion.name));
-    return connection.create_scene(spec, mesh_inputs(motion.meshes));
+    return connection.create_scene(spec, thick_inputs(motion.meshes, detection));
   }
 
   Motion motion;
@@ -157,6 +158,7 @@ void add_demo_options(CLI::App& command, ViewCommand& options) {
   for (const char* of_scenes : {"--frames", "--t0", "--dt", "--scale"}) command.get_option(of_scenes)->needs(scene);
   command.add_option("--play", options.files, "Demo: plays mesh files, a frame each, to and fro");
   add_detection_options(command, options.detection);
+  add_half_thickness_option(command, options.detection);
 }
 
 }  // namespace

@@ -31,6 +31,9 @@ struct MeshInput {
   uint32_t groups = 0;                                  ///< bits of the groups that it is in; 0: the first
   uint32_t collide_mask = 0;                            ///< bits of the groups that it can touch; 0: all
   bool no_self_contacts = false;                        ///< leave out its contacts with itself
+  /// Half of what it is thick beyond the spec's thickness, >= 0, finite, in the unit of the positions: two meshes are
+  /// in contact up to the thickness and both halves, a mesh and itself up to the thickness and twice its half.
+  double half_thickness = 0;
 };
 
 /// The mesh as an edit brings it (FrameOptions::edit): added, or in place of another; with its elements, or without

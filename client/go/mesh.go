@@ -36,6 +36,9 @@ type Mesh struct {
 	ExcludeRings uint32
 	// ExcludeRestPairs does so for features within the spec's rest_distance in the scene's first frame.
 	ExcludeRestPairs bool
+	// HalfThickness is half of what it is thick beyond the spec's thickness, >= 0, finite, in the unit of the positions: two
+	// meshes are in contact up to the thickness and both halves, a mesh and itself up to the thickness and twice its half.
+	HalfThickness float64
 }
 
 // message is the mesh without its triangles, but with their number.
@@ -52,6 +55,7 @@ func (m *Mesh) message() *v1.MeshSpec {
 		NoSelfContacts:   m.NoSelfContacts,
 		ExcludeRings:     m.ExcludeRings,
 		ExcludeRestPairs: m.ExcludeRestPairs,
+		HalfThickness:    m.HalfThickness,
 	}
 }
 

@@ -93,13 +93,6 @@ std::vector<std::array<uint32_t, 2>> parse_pairs(const google::protobuf::Repeate
   return out;
 }
 
-// As at creation, 0 means the thickness, once a mesh uses it.
-double rest_distance_of(const SceneEdit& edit, const SceneSpec& scene) {
-  const bool is_used = std::any_of(edit.meshes.begin(), edit.meshes.end(),
-                                   [](const MeshEdit& mesh) { return mesh.spec.excludes_rest_pairs; });
-  return is_used && scene.rest_distance == 0 ? scene.thickness : 0;
-}
-
 }  // namespace
 
 uint64_t element_bytes(const pb::SceneEdit& edit) {
@@ -124,7 +117,6 @@ ParsedEdit parse_edit(const pb::SceneEdit& edit, const ScenePlan& plan, const Li
   outcome.check(edit, limits);
   engine.excluded = parse_pairs(edit.exclude_meshes());
   engine.included = parse_pairs(edit.include_meshes());
-  engine.rest_distance = rest_distance_of(engine, plan.engine);
   out.engine = std::make_shared<const SceneEdit>(std::move(engine));
   return out;
 }

@@ -99,13 +99,6 @@ void check_triangle_count(const pb::MeshSpec& mesh, const std::string& path) {
                     mesh.triangle_count(), path, inline_triangles(mesh)));
 }
 
-// The engine's rest_distance is what it says; the protocol's 0 is the thickness, where a mesh uses it at all.
-double parse_rest_distance(const pb::SceneSpec& spec) {
-  const bool is_used =
-      std::any_of(spec.meshes().begin(), spec.meshes().end(), [](const auto& m) { return m.exclude_rest_pairs(); });
-  return spec.rest_distance() == 0 && is_used ? spec.thickness() : spec.rest_distance();
-}
-
 void check_total(const char* what, uint64_t total, const char* limit_name, uint64_t limit, const std::string& field) {
   if (total > limit)
     throw LimitExceeded(field,
@@ -134,6 +127,7 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
   out.self_contacts = !mesh.no_self_contacts();
   out.excluded_rings = mesh.exclude_rings();
   out.excludes_rest_pairs = mesh.exclude_rest_pairs();
+  out.half_thickness = mesh.half_thickness();
   parse_triangles(mesh, path, out);
   parse_loose_elements(mesh, path, out);
   return out;
@@ -174,7 +168,6 @@ void parse_meshes(const pb::SceneSpec& spec, ScenePlan& plan) {
 }
 
 void parse_exclusions(const pb::SceneSpec& spec, ScenePlan& plan) try {
-  plan.engine.rest_distance = parse_rest_distance(spec);
   for (const auto& pair : spec.excluded_meshes()) plan.engine.excluded_meshes.push_back({pair.first(), pair.second()});
   check_exclusions(plan.engine);
 } catch (const InvalidInput& e) {

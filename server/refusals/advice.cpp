@@ -69,6 +69,8 @@ std::vector<std::string> smaller_answers(const BusyScene& scene) {
   if (const auto switches = exclusions(scene.spec); !switches.empty())
     answers.push_back(fmt::format("meshes that are left out ({})", fmt::join(switches, ", ")));
   if (scene.spec.thickness > 0) answers.push_back("a smaller thickness");
+  if (std::ranges::any_of(scene.spec.meshes, [](const MeshSpec& mesh) { return mesh.half_thickness > 0; }))
+    answers.push_back("a smaller half_thickness");
   return answers;
 }
 

@@ -15,7 +15,7 @@ namespace collided::cli {
 struct ExclusionOptions {
   uint32_t rings = 0;
   bool rest_pairs = false;
-  double rest_distance = 0;                                 ///< 0: the thickness
+  double rest_distance = 0;                                 ///< 0: each mesh's own contact distance
   std::vector<std::pair<std::string, std::string>> meshes;  ///< pairs of names
 
   /// Rings and rest pairs: the same for all meshes.
@@ -59,7 +59,7 @@ inline void add_mesh_pairs_option(CLI::App& command, ExclusionOptions& options) 
 inline void add_rest_options(CLI::App& command, ExclusionOptions& options) {
   auto* rest = command.add_flag("--exclude-rest-pairs", options.rest_pairs,
                                 "Leave out self contacts of features that are close in the first frame");
-  command.add_option("--rest-distance", options.rest_distance, "How close that is; 0: the thickness")
+  command.add_option("--rest-distance", options.rest_distance, "How close that is; 0: as close as a contact of the mesh with itself")
       ->needs(rest)
       ->check(finite())
       ->check(at_least_zero())

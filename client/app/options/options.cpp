@@ -220,7 +220,7 @@ void check_usage(const DetectionOptions& options) {
   const bool may_advance = !dcd && accuracy >= v1::ACCURACY_CERTIFIED && wants(options, "vt") && wants(options, "ee");
   if (options.advance && !may_advance)
     throw UsageError("--advance needs --mode ccd, --accuracy certified or exact, and the kinds vt and ee");
-  if (dcd && by_distance && accuracy == v1::ACCURACY_FAST && options.thickness == 0)
+  if (dcd && by_distance && accuracy == v1::ACCURACY_FAST && options.thickness == 0 && options.half_thicknesses.empty())
     throw UsageError("--mode dcd with --accuracy fast needs a --thickness greater than 0 for the kinds vt and ee");
 }
 

@@ -29,6 +29,7 @@ struct DetectionOptions {
   std::string mode = "ccd";
   std::string accuracy = "certified";
   double thickness = 0;
+  std::vector<std::pair<std::string, double>> half_thicknesses = {};  ///< of meshes, by name, each once
   double delta = 0;
   std::string report = "all";
   std::vector<std::string> kinds{"vt", "ee"};

@@ -33,6 +33,18 @@ Json part_devices_json(const v1::SceneSpec& spec) {
   return out;
 }
 
+namespace {
+
+/// Of the meshes that are thicker than the scene's thickness, by name.
+Json half_thickness_json(const v1::SceneSpec& spec) {
+  Json out = Json::object();
+  for (const v1::MeshSpec& mesh : spec.meshes())
+    if (mesh.half_thickness() > 0) out[mesh.name()] = mesh.half_thickness();
+  return out;
+}
+
+}  // namespace
+
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
   Json out = {{"vertices", scene.vertex_count()},
@@ -42,6 +54,7 @@ Json scene_json(const v1::Scene& scene) {
               {"backend", name_of(spec.backend())},
               {"device", scene.device()}};
   for (const auto& [name, value] : described(spec)) std::visit([&](const auto& known) { out[name] = known; }, value);
+  if (Json halves = half_thickness_json(spec); !halves.empty()) out["half_thickness"] = std::move(halves);
   if (spec.part_devices_size() > 0) out["part_devices"] = part_devices_json(spec);
   return out;
 }

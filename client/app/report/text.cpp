@@ -67,7 +67,7 @@ std::string report_text(const Json& object, size_t indent) {
   std::string out;
   const std::string margin(indent, ' ');
   for (const auto& [name, value] : object.items()) {
-    const std::string label = label_of(name);
+    const std::string label = shown_name(label_of(name));  // a mesh's name may be a label
     if (value.is_object())
       out += margin + label +
              (is_milliseconds(name) ? "s\n" + times_text(value, indent + 2) : "\n" + report_text(value, indent + 2));

@@ -26,9 +26,9 @@ size_t mesh_of(uint32_t id, const std::vector<uint64_t>& ends) {
 struct Ends {
   std::vector<uint64_t> vertices, elements;
 
-  explicit Ends(std::span<const scenes::Mesh> meshes) {
+  explicit Ends(std::span<const client::MeshInput> meshes) {
     uint64_t vertex = 0, element = 0;
-    for (const scenes::Mesh& mesh : meshes) {
+    for (const client::MeshInput& mesh : meshes) {
       vertices.push_back(vertex += mesh.vertex_count);
       elements.push_back(element += mesh.triangles.size() + mesh.edges.size() + mesh.points.size());
     }
@@ -66,8 +66,24 @@ std::string counts_text(const client::PerKind<uint64_t>& found) {
   return plural(found.vertex_triangle + found.edge_edge + found.triangle_triangle, "contact") + " (" + kinds + ")";
 }
 
-std::string distance_text(const v1::SceneSpec& spec) {
-  return spec.thickness() > 0 ? " at a thickness of " + format_double("%.6g", spec.thickness()) : "";
+std::string thickness_text(double distance) {
+  return distance > 0 ? " at a thickness of " + format_double("%.6g", distance) : "";
+}
+
+/// The distance up to which two meshes are in contact; a mesh and itself, if both are the same.
+std::string distance_text(const Touching& touching, const Pair& pair) {
+  return thickness_text(touching.spec.thickness() + touching.meshes[pair.first].half_thickness +
+                        touching.meshes[pair.second].half_thickness);
+}
+
+/// Those of all pairs, which may differ.
+std::string distances_text(const Touching& touching) {
+  if (touching.meshes.size() == 1) return distance_text(touching, {0, 0});
+  if (touching.meshes.size() == 2) return distance_text(touching, {0, 1});
+  const auto is_thick = [](const client::MeshInput& mesh) { return mesh.half_thickness > 0; };
+  const std::string text = thickness_text(touching.spec.thickness());
+  if (!std::ranges::any_of(touching.meshes, is_thick)) return text;
+  return text + (text.empty() ? " at" : " and") + " half thicknesses of their own";
 }
 
 std::string pair_text(const Touching& touching, const Pair& pair, bool touches) {
@@ -97,7 +113,7 @@ Box box_of(std::span<const scenes::Vec3d> positions) {
 std::string inside_text(const Touching& touching) {
   std::vector<Box> boxes;
   size_t at = 0;
-  for (const scenes::Mesh& mesh : touching.meshes) {
+  for (const client::MeshInput& mesh : touching.meshes) {
     boxes.push_back(box_of(touching.positions.subspan(at, mesh.vertex_count)));
     at += mesh.vertex_count;
   }
@@ -120,9 +136,9 @@ Json touching_json(const Touching& touching) {
 }
 
 std::string touching_text(const Touching& touching) {
-  const std::string distance = distance_text(touching.spec);
   const size_t meshes = touching.meshes.size();
   const Pair all{0, meshes - 1};
+  const std::string distance = distances_text(touching);
   if (!touching.output.done.any_contact())
     return (meshes <= 2 ? pair_text(touching, all, false) : "none of the " + std::to_string(meshes) + " meshes touch") +
            distance + inside_text(touching);
@@ -132,7 +148,8 @@ std::string touching_text(const Touching& touching) {
            distance;
   std::string text;
   for (const auto& [pair, found] : pairs)
-    text += (text.empty() ? "" : "\n") + pair_text(touching, pair, true) + distance + ": " + counts_text(found);
+    text += (text.empty() ? "" : "\n") + pair_text(touching, pair, true) + distance_text(touching, pair) + ": " +
+            counts_text(found);
   const auto between = static_cast<size_t>(std::count_if(
       pairs.begin(), pairs.end(), [](const auto& pair) { return pair.first.first != pair.first.second; }));
   const size_t others = meshes * (meshes - 1) / 2 - between;
@@ -142,8 +159,11 @@ std::string touching_text(const Touching& touching) {
   return text;
 }
 
-std::string step_text(const std::string& name, const v1::FrameDone& done, const v1::SceneSpec& spec) {
-  std::string text = name + (done.any_contact() ? ": there is contact" : ": there is no contact") + distance_text(spec);
+std::string step_text(const std::string& name, const Touching& touching) {
+  const v1::FrameDone& done = touching.output.done;
+  const v1::SceneSpec& spec = touching.spec;
+  std::string text =
+      name + (done.any_contact() ? ": there is contact" : ": there is no contact") + distances_text(touching);
   if (done.any_contact() && spec.report() != v1::REPORT_ANY_HIT) text += ", " + plural(done.contact_count(), "contact");
   if (done.any_contact() && has_times(done, spec))
     text += ", the first at " + format_double("%.6g", done.earliest_toi()) + " of the step";

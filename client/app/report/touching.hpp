@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "client/app/report/json.hpp"
+#include "client/cpp/client.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace collided::cli {
 
 /// Meshes that stand still, and the contacts between them.
 struct Touching {
-  std::span<const scenes::Mesh> meshes;
+  std::span<const client::MeshInput> meshes;
   std::span<const scenes::Vec3d> positions;  ///< of all meshes
   const client::FrameOutput& output;
   const v1::SceneSpec& spec;
@@ -25,6 +26,6 @@ Json touching_json(const Touching& touching);
 std::string touching_text(const Touching& touching);
 
 /// The same of a mesh that moves from one frame to the next.
-std::string step_text(const std::string& name, const v1::FrameDone& done, const v1::SceneSpec& spec);
+std::string step_text(const std::string& name, const Touching& touching);
 
 }  // namespace collided::cli

@@ -132,6 +132,7 @@ SceneElements::SceneElements(const v1::SceneSpec& spec, const std::vector<std::s
     input.exclude_rest_pairs = mesh.exclude_rest_pairs();
     input.groups = mesh.groups();
     input.collide_mask = mesh.collide_mask();
+    input.half_thickness = mesh.half_thickness();
     // A rigid mesh is never tested with itself.
     input.no_self_contacts = mesh.no_self_contacts() || mesh.motion() == v1::MESH_MOTION_RIGID;
   }

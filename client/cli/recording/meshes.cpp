@@ -39,7 +39,8 @@ RecordedMeshes::RecordedMeshes(const v1::SceneSpec& spec) : elements_(static_cas
                        .points = own.points,
                        .groups = mesh.groups(),
                        .collide_mask = mesh.collide_mask(),
-                       .no_self_contacts = mesh.no_self_contacts()});
+                       .no_self_contacts = mesh.no_self_contacts(),
+                       .half_thickness = mesh.half_thickness()});
   }
 }
 

@@ -4,6 +4,7 @@ import (
 	"context"
 	"errors"
 	"fmt"
+	"math"
 	"testing"
 	"time"
 
@@ -126,6 +127,33 @@ func TestABadSpecIsRefusedByName(t *testing.T) {
 	refused(t, err, codes.InvalidArgument, "spec.meshes", ".")
 	_, err = client.CreateScene(ctx, &collided.SceneSpec{Mode: collided.CCD}, twoTriangles(), -time.Second)
 	refused(t, err, codes.InvalidArgument, "lease_seconds", "-1")
+}
+
+// The tip is one above the floor.
+func TestMeshesTouchUpToTheThicknessAndBothHalves(t *testing.T) {
+	ctx, client := connected(t)
+	spec := &collided.SceneSpec{Mode: collided.DCD, Thickness: 0.5}
+	frame := collided.Frame{Updates: []collided.Update{{Mesh: 0, Positions: floor}, {Mesh: 1, Positions: tipAt(1)}}}
+	for _, c := range []struct {
+		halves [2]float64
+		count  int
+	}{{[2]float64{0, 0}, 0}, {[2]float64{0.25, 0.25}, 1}, {[2]float64{0.25, 0.249}, 0}, {[2]float64{0, 0.5}, 1}} {
+		meshes := twoTriangles()
+		meshes[0].HalfThickness, meshes[1].HalfThickness = c.halves[0], c.halves[1]
+		scene := create(ctx, t, client, spec, meshes)
+		same(t, scene.Spec.Meshes[1].HalfThickness, c.halves[1])
+		s := stream(ctx, t, client, scene, collided.StreamOptions{})
+		same(t, detect(ctx, t, s, frame).VertexTriangle.Count, c.count)
+		thick := collided.Mesh{VertexCount: 3, HalfThickness: 0.75}
+		edit := &collided.SceneEdit{Meshes: []*v1.MeshEdit{collided.EditedMesh(1, thick)}}
+		same(t, detect(ctx, t, s, collided.Frame{Edit: edit}).VertexTriangle.Count, 1)
+	}
+	for _, half := range []float64{-1, math.NaN(), math.Inf(1), 1e300} {
+		meshes := twoTriangles()
+		meshes[1].HalfThickness = half
+		_, err := client.CreateScene(ctx, spec, meshes, 0)
+		refused(t, err, codes.InvalidArgument, "spec.meshes[1].half_thickness", "it must be from 0 to")
+	}
 }
 
 func TestWhatIsNotUTF8IsRefusedAndTheStreamGoesOn(t *testing.T) {

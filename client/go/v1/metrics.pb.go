@@ -645,9 +645,9 @@ type FrameMetrics struct {
 	// `stages` those of the slowest.
 	Parts []*PartMetrics `protobuf:"bytes,29,rep,name=parts,proto3" json:"parts,omitempty"`
 	// Options of the scene that are set and had no effect on this frame, by their paths: "spec.min_separation" in a CCD frame
-	// without `advance` (of a scene of CCD alone), "spec.delta" below GUARDED, "spec.thickness" where the scene has
-	// triangle-triangle contacts alone, "spec.meshes[i].exclude_rings" and "spec.meshes[i].exclude_rest_pairs" of the first
-	// mesh that has them with no_self_contacts.
+	// without `advance` (of a scene of CCD alone), "spec.delta" below GUARDED, "spec.thickness" and the first mesh's
+	// "spec.meshes[i].half_thickness" where the scene has triangle-triangle contacts alone, "spec.meshes[i].exclude_rings" and
+	// "spec.meshes[i].exclude_rest_pairs" of the first mesh that has them with no_self_contacts.
 	UnusedOptions []string `protobuf:"bytes,30,rep,name=unused_options,json=unusedOptions,proto3" json:"unused_options,omitempty"`
 }
 

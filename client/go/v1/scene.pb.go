@@ -886,8 +886,8 @@ type SceneSpec struct {
 	Accuracy Accuracy `protobuf:"varint,4,opt,name=accuracy,proto3,enum=collided.v1.Accuracy" json:"accuracy,omitempty"`
 	// Format of the positions of all frames.
 	PositionFormat PositionFormat `protobuf:"varint,5,opt,name=position_format,json=positionFormat,proto3,enum=collided.v1.PositionFormat" json:"position_format,omitempty"`
-	// Contact distance, >= 0, finite, in the unit of the positions. FAST needs > 0 for DCD. Triangle-triangle contacts
-	// and CCD frames of DCD_AND_CCD scenes do not use it.
+	// Contact distance, >= 0, finite, in the unit of the positions; MeshSpec.half_thickness adds to it. FAST needs a sum > 0
+	// for DCD. Triangle-triangle contacts and CCD frames of DCD_AND_CCD scenes do not use it.
 	Thickness float64 `protobuf:"fixed64,6,opt,name=thickness,proto3" json:"thickness,omitempty"`
 	// Tolerance of CCD at GUARDED and above, >= 0, finite, in the unit of the positions: features that come closer than
 	// this may be reported as contacts (flag NEAR), and times of impact are about as early as this. Smaller costs more
@@ -913,8 +913,8 @@ type SceneSpec struct {
 	// Pairs of meshes that are not tested, such as bodies that a joint connects; in any order, each once. A message has
 	// room for about 87,000; groups say more with less.
 	ExcludedMeshes []*MeshPair `protobuf:"bytes,15,rep,name=excluded_meshes,json=excludedMeshes,proto3" json:"excluded_meshes,omitempty"`
-	// Distance of MeshSpec.exclude_rest_pairs, >= 0, finite, in the unit of the positions; 0 means `thickness`. Only where
-	// a mesh has exclude_rest_pairs.
+	// Distance of MeshSpec.exclude_rest_pairs, >= 0, finite, in the unit of the positions; 0 means each mesh's own contact
+	// distance, `thickness` and twice its half_thickness. Only where a mesh has exclude_rest_pairs.
 	RestDistance float64 `protobuf:"fixed64,16,opt,name=rest_distance,json=restDistance,proto3" json:"rest_distance,omitempty"`
 	// Box that Q16 positions are encoded in; only with POSITION_FORMAT_Q16.
 	QuantizationBox *QuantizationBox `protobuf:"bytes,17,opt,name=quantization_box,json=quantizationBox,proto3" json:"quantization_box,omitempty"`

@@ -44,6 +44,11 @@ export interface MeshInput {
   excludeRings?: number;
   /** Likewise of features within the scene's restDistance in its first frame. */
   excludeRestPairs?: boolean;
+  /**
+   * Half of what it is thick beyond the scene's thickness, >= 0, finite, in the unit of the positions: two meshes are in
+   * contact up to the thickness and both halves, a mesh and itself up to the thickness and twice its half. 0 if left out.
+   */
+  halfThickness?: number;
 }
 
 /** A scene to create; proto/collided/v1/scene.proto describes each field of SceneSpec. */
@@ -70,7 +75,7 @@ export interface SceneInput {
   report?: Report;
   /** Pairs of meshes, by index, that are not tested. */
   excludedMeshes?: readonly (readonly [number, number])[];
-  /** Distance of excludeRestPairs; 0: the thickness. */
+  /** Distance of excludeRestPairs; 0: each mesh's own contact distance, the thickness and twice its half. */
   restDistance?: number;
   /** Box of Q16 positions. */
   quantizationBox?: { lower: readonly number[]; upper: readonly number[] };
@@ -104,6 +109,7 @@ const MESH: Rules<MeshInput> = {
   noSelfContacts: boolean,
   excludeRings: uint32,
   excludeRestPairs: boolean,
+  halfThickness: finite,
 };
 
 const SCENE: Rules<SceneInput> = {

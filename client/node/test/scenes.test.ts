@@ -79,6 +79,11 @@ test("a value that cannot be is refused by name before anything is sent", async 
     [{ mode: 77 }, "spec.mode", /is 77; it must be one of/],
     [{ thickness: "0.1" }, "spec.thickness", /is "0.1"; it must be a finite number/],
     [{ thickness: NaN }, "spec.thickness", /is NaN/],
+    [
+      { meshes: [floor, { ...tip, halfThickness: Infinity }] },
+      "spec.meshes[1].half_thickness",
+      /is Infinity; it must be a finite number/,
+    ],
     [{ memoryBudgetBytes: -1n }, "spec.memory_budget_bytes", /is -1; it must be a bigint from 0/],
     [{ memoryBudgetBytes: 2 ** 60 }, "spec.memory_budget_bytes", /up to 2\^53 - 1/],
     [{ kinds: [1, 9] }, "spec.kinds", /\[1\], 9, one of/],
@@ -117,12 +122,39 @@ test("what only the daemon knows, it refuses by name", async () => {
     [{ meshes: [] }, Code.INVALID_ARGUMENT, "spec.meshes"],
     [{ meshes: [floor, floor] }, Code.INVALID_ARGUMENT, "spec.meshes[1].name"],
     [{ thickness: -1 }, Code.INVALID_ARGUMENT, "spec.thickness"],
+    [{ meshes: [floor, { ...tip, halfThickness: -1 }] }, Code.INVALID_ARGUMENT, "spec.meshes[1].half_thickness"],
+    [{ meshes: [floor, { ...tip, halfThickness: 1e300 }] }, Code.INVALID_ARGUMENT, "spec.meshes[1].half_thickness"],
     [{ positionFormat: PositionFormat.Q16 }, Code.INVALID_ARGUMENT, "spec.quantization_box"],
     [{ memoryBudgetBytes: 1 }, Code.RESOURCE_EXHAUSTED, "spec.memory_budget_bytes"],
   ];
   for (const [more, code, field] of cases)
     await refused(() => used.client.createScene({ ...TWO_TRIANGLES, ...more }), code, field);
   await refused(() => used.client.getScene("no such scene"), Code.NOT_FOUND, "scene_id");
+});
+
+test("meshes touch up to the thickness and both halves", async () => {
+  const updates = [
+    { mesh: 0, positions: FLOOR },
+    { mesh: 1, positions: tipAt(1) },
+  ];
+  for (const [first, second, count] of [
+    [0, 0, 0],
+    [0.25, 0.25, 1],
+    [0.25, 0.249, 0],
+    [0, 0.5, 1],
+  ]) {
+    const meshes = [
+      { ...floor, halfThickness: first },
+      { ...tip, halfThickness: second },
+    ];
+    const scene = await used.client.createScene({ mode: DetectionMode.DCD, thickness: 0.5, meshes });
+    assert.equal(scene.spec?.meshes[1]?.halfThickness, second);
+    const stream = await used.client.stream(scene);
+    assert.equal((await stream.detect({ updates })).vertexTriangle.count, count);
+    const edit = { meshes: [{ mesh: 1, spec: { vertexCount: 3, halfThickness: 0.75 } }] };
+    assert.equal((await stream.detect({ edit })).vertexTriangle.count, 1);
+    await stream.finish();
+  }
 });
 
 test("a client of its own daemon ends with it", async () => {

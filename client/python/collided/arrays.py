@@ -47,6 +47,12 @@ def real(value: Any) -> float:
         return math.inf if value > 0 else -math.inf
 
 
+def check_length(value: Any, argument: str) -> None:
+    """Whether it is a length: finite, and at least 0."""
+    if not 0 <= real(value) < math.inf:
+        raise InvalidArgument(f"{argument} is {value!r}; it must be finite and at least 0", field=argument)
+
+
 def is_whole(value: Any, most: float) -> bool:
     """Whether it is an integer from 0 to `most`; a bool is none."""
     return not isinstance(value, bool) and isinstance(value, (int, np.integer)) and 0 <= value <= most

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from collided.arrays import ids, numbers
+from collided.arrays import check_length, ids, numbers
 from collided import leftovers
 from collided.choices import choice
 from collided.connection.client import Client
@@ -20,7 +20,7 @@ from collided.frames.updates import Update
 from collided.layout import Layout
 from collided.leftovers import Leftover
 from collided.meshes.mesh import counted
-from collided.options import SceneOptions, check_length
+from collided.options import SceneOptions
 from collided.scene import Resident, divided
 from collided.transport.opening import StreamOptions
 from collided.set_frames import SetAnswer, SetFrames

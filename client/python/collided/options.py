@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from collided.arrays import is_whole, real
+from collided.arrays import check_length, is_whole, real
 from collided.choices import check_text, choice, word
 from collided.columns import COLUMNS
 from collided.errors import InvalidArgument
@@ -31,7 +30,8 @@ class SceneOptions:
     accuracy: "candidates", "fast", "guarded", "certified" or "exact"; None: the daemon's default, "certified".
     position_format: "f32", "f64" or "q16"; None: "f32" if all meshes have float32 vertices, else "f64".
     quantization_box: the Box of "q16".
-    thickness, delta, min_separation, rest_distance: lengths >= 0.
+    thickness, delta, min_separation, rest_distance: lengths >= 0. To `thickness` meshes add their own `half_thickness`; a
+        `rest_distance` of 0 is each mesh's own contact distance.
     kinds: of "vt", "ee" and "tt"; empty: the first two.
     fields: of FIELDS; those that are left out are neither computed nor sent.
     report: "all", "earliest_only" or "any_hit".
@@ -125,12 +125,6 @@ def words(values: Any, argument: str) -> list[Any]:
 def _check_count(value: Any, argument: str, bits: int) -> None:
     if not is_whole(value, 2**bits - 1):
         raise InvalidArgument(f"{argument} is {value!r}; it must be from 0 to 2^{bits} - 1", field=argument)
-
-
-def check_length(value: Any, argument: str) -> None:
-    """Whether it is a length: finite, and at least 0."""
-    if not 0 <= real(value) < math.inf:
-        raise InvalidArgument(f"{argument} is {value!r}; it must be finite and at least 0", field=argument)
 
 
 def check_seconds(value: Any, argument: str) -> None:

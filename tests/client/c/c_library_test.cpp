@@ -95,7 +95,8 @@ TEST_F(CLibrary, HasTheVersionOfItsHeader) {
 
 // Programs that are compiled already have these numbers.
 TEST_F(CLibrary, StructuresKeepTheirLayout) {
-  EXPECT_EQ(sizeof(collided_mesh), 88u);
+  EXPECT_EQ(sizeof(collided_mesh), 96u);
+  EXPECT_EQ(offsetof(collided_mesh, half_thickness), 88u);
   EXPECT_EQ(offsetof(collided_mesh, vertex_count), 56u);
   EXPECT_EQ(sizeof(collided_scene_spec), 144u);
   EXPECT_EQ(offsetof(collided_scene_spec, mode), 48u);

@@ -43,6 +43,32 @@ class Meshes(support.CollidectlTest):
         self.assertFalse(self.found(ball, near)["any_contact"])
         self.assertRegex(self.found(ball, near, "--thickness", "0.01")["found"], "^ball and near touch at a thickness of 0.01: ")
 
+    def test_a_mesh_may_be_thicker_than_others(self):
+        ball, near, far = (self.put(name, cube(x)) for name, x in (("ball.obj", 0), ("a=b.obj", 2.5), ("far.obj", 5)))
+        thick = ["--half-thickness", "ball=0.25", "--half-thickness", "a=b=0.125"]
+        self.assertEqual(self.found(ball, near, *thick)["found"], "ball and a=b do not touch at a thickness of 0.375")
+        found = self.found(ball, near, *thick, "--thickness", "0.125")
+        self.assertRegex(found["found"], "^ball and a=b touch at a thickness of 0.5: ")
+        self.assertEqual(found["scene"]["half_thickness"], {"ball": 0.25, "a=b": 0.125})
+        self.assertNotIn("half_thickness", self.found(ball, near)["scene"])
+        three = [ball, near, far, "--half-thickness", "ball=0.5"]
+        self.assertRegex(self.found(*three)["found"], r"^ball and a=b touch at a thickness of 0.5: .*\nthe other 2 pairs do not touch$")
+        self.assertEqual(self.found(ball, near, far, "--half-thickness", "far=0.1")["found"],
+                         "none of the 3 meshes touch at half thicknesses of their own")
+        self.assertRegex(self.ok("detect", *three, *ONE_CPU), r"\n  half_thickness\n    ball  0.5\n")
+        fast = [ball, near, "--accuracy", "fast", "--kinds", "vt,ee"]
+        self.refused(2, "needs a --thickness greater than 0", "detect", *fast, *ONE_CPU)
+        self.assertTrue(self.found(*fast, "--half-thickness", "ball=0.6")["any_contact"])
+
+    def test_a_half_thickness_that_cannot_be(self):
+        ball, box = (self.put(name, cube(x)) for name, x in (("ball.obj", 0), ("box.obj", 1.5)))
+        for word in ("ball", "ball=", "=1", "ball=x", "ball=-1", "ball=nan", "ball=inf", "ball=1e999"):
+            self.refused(2, f"'{word}' is not NAME=LENGTH", "detect", ball, box, "--half-thickness", word)
+        self.refused(2, "mesh 'ball' is named twice", "detect", ball, box, "--half-thickness", "ball=1", "--half-thickness", "ball=2")
+        self.refused(2, "--half-thickness: the scene has no mesh 'bell'; there are ball, box", "detect", ball, box,
+                     "--half-thickness", "bell=1", *ONE_CPU)
+        self.refused(1, "spec.meshes[1].half_thickness is 1e+300", "detect", ball, box, "--half-thickness", "box=1e300", *ONE_CPU)
+
     def test_three_meshes_are_told_by_pairs_and_a_mesh_alone_by_itself(self):
         files = [self.put(name, cube(x)) for name, x in (("a.obj", 0), ("b.obj", 1), ("c.obj", 9))]
         self.assertRegex(self.found(*files)["found"], r"^a and b touch: .*\)\nthe other 2 pairs do not touch$")

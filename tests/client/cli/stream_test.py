@@ -39,6 +39,17 @@ class Stream(support.CollidectlTest):
         self.assertGreater(json.loads(self.ok(*estimate, *pair))["memory_bytes"], 0)
         self.refused(2, "has no mesh 'x'", *estimate, "--exclude-meshes", "x", "x")
 
+    def test_a_thicker_mesh_touches_more(self):
+        dcd = [*BALL, "--mode", "dcd", "--thickness", "0.01"]
+        counts = [self.played(*dcd, *more)["contact_count"]
+                  for more in ([], ["--half-thickness", "ball=0.02"], ["--half-thickness", "ball=0.02", "--half-thickness", "cloth=0.005"])]
+        self.assertEqual(counts, sorted(set(counts)))
+        self.assertEqual(counts[2], self.played(*BALL, "--mode", "dcd", "--thickness", "0.01", "--half-thickness", "cloth=0.005",
+                                                "--half-thickness", "ball=0.02")["contact_count"])
+        self.refused(2, "--half-thickness: the scene has no mesh 'bell'; there are cloth, ball", "stream", *dcd, "--half-thickness", "bell=1")
+        estimate = ["estimate", "--scene", "cloth_ball", "--scale", "0.1", *ONE_CPU, "--json", "--half-thickness", "ball=0.02"]
+        self.assertEqual(json.loads(self.ok(*estimate))["scene"]["half_thickness"], {"ball": 0.02})
+
     def test_encoded_positions(self):
         plain, encoded = self.played(*BALL), self.played(*BALL, "--position-format", "q16")
         self.assertEqual(encoded["scene"]["position_format"], "q16")

@@ -86,6 +86,8 @@ class Meshes(Case):
                 ("motion is 'fast'; it must be one of deformable, static, rigid", {"triangles": ONE, "motion": "fast"}),
                 ("groups is -1; it must be from 0 to 4294967295", {"triangles": ONE, "groups": -1}),
                 ("exclude_rings is 9; it must be from 0 to 8", {"triangles": ONE, "exclude_rings": 9}),
+                *((f"half_thickness is {bad!r}; it must be finite and at least 0", {"triangles": ONE, "half_thickness": bad})
+                  for bad in (-1, float("nan"), float("inf"), "0.1", None, True)),
                 ("triangles is no array of integers", {"triangles": [[0, 1, 2], [0, 1]]}),
                 ("name is 5; it must be text", {"triangles": ONE, "name": 5}),
                 ("collide_mask is True", {"triangles": ONE, "collide_mask": True})):

@@ -250,6 +250,25 @@ class Edited(unittest.TestCase):
                 with self.subTest(moves=end is near, elements=len(elements)):
                     self.assertEqual(play(True, end, elements), play(False, end, elements))
 
+    def test_rest_pairs_are_those_of_an_edit_that_makes_a_mesh_thicker(self):
+        near = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, .1], [1.25, 1, 9], [1, 1.25, 9]], "<f4")
+        far, below = near + np.float32([[0, 0, 3 * (i > 2)] for i in range(6)]), near - np.float32([[0, 0, i > 2] for i in range(6)])
+
+        def play(is_lost, half):
+            strip = collided.Mesh(near, [[0, 1, 2], [3, 4, 5]], exclude_rest_pairs=True)
+            session = self.session({"strip": strip})
+            session.step()
+            session.step(far)
+            thick = collided.Mesh(vertex_count=6, exclude_rest_pairs=True, half_thickness=half)
+            session.step(near, edit=collided.Edit({"strip": thick}))
+            self.lose(session, is_lost)
+            return [len(session.step(positions)) for positions in (below, far)]
+
+        self.assertGreater(play(False, 0)[0], 0)
+        self.assertEqual(play(False, 0.3)[0], 0)
+        for half in (0, 0.3):
+            self.assertEqual(play(True, half), play(False, half))
+
     def test_a_static_mesh_that_was_replaced(self):
         for transport in STREAMS:
             session = self.session(meshes(), transport=transport, edit_bytes=4096)

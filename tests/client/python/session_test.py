@@ -410,7 +410,7 @@ class Sessions(Case):
 
     def test_what_a_scene_declares_reaches_the_daemon(self):
         cloth = collided.Mesh(TIP, ONE, exclude_rings=2, exclude_rest_pairs=True, groups=3, collide_mask=5,
-                              self_contacts=False, edges=[[0, 1]], points=[2])
+                              self_contacts=False, edges=[[0, 1]], points=[2], half_thickness=0.75)
         options = {"mode": "dcd_and_ccd", "accuracy": "guarded", "thickness": 0.5, "delta": 0.25, "min_separation": 0.125,
                    "rest_distance": 2.0, "kinds": ["vt"], "fields": ["elements", "toi"], "report": "all", "backend": "cpu", "device": "cpu:0",
                    "broad_phase": "lbvh", "reuse": "on", "memory_budget": 1 << 28, "expected_contacts": 9,
@@ -429,6 +429,54 @@ class Sessions(Case):
         self.assertEqual((spec.position_format, list(spec.quantization_box.upper)), (3, [9, 9, 9]))
         self.assertEqual((mesh.exclude_rings, mesh.exclude_rest_pairs, mesh.groups, mesh.collide_mask), (2, True, 3, 5))
         self.assertEqual((mesh.no_self_contacts, mesh.edge_count, mesh.point_count, mesh.triangle_count), (True, 1, 1, 1))
+        self.assertEqual([mesh.half_thickness for mesh in spec.meshes], [0, 0.75])
+
+    def test_what_is_too_thick_for_the_format_the_daemon_refuses(self):
+        with self.assertRaisesRegex(collided.InvalidArgument, r"is 1e\+300; it must be from 0 to") as refused:
+            collided.Session({"floor": collided.Mesh(FLOOR, ONE, half_thickness=1e300)}, server=self.server)
+        self.assertEqual(refused.exception.field, "spec.meshes[0].half_thickness")
+
+
+class Thick(Case):
+    """The tip is one above the floor, in DCD."""
+
+    def thick(self, floor, tip):
+        return {"floor": collided.Mesh(FLOOR, ONE, half_thickness=floor), "tip": collided.Mesh(TIP, ONE, half_thickness=tip)}
+
+    def test_meshes_touch_up_to_the_thickness_and_both_halves(self):
+        for transport in TRANSPORTS:
+            counts = []
+            for halves in ((0, 0), (0.25, 0), (0.25, 0.25), (0, 0.5), (0.25, 0.249)):
+                session = self.session(what=self.thick(*halves), mode="dcd", thickness=0.5, transport=transport)
+                counts.append(len(session.step()))
+            self.assertEqual(counts, [0, 0, 1, 1, 0])
+
+    def test_an_edit_makes_a_mesh_thicker_and_thinner(self):
+        session = self.session(what=self.thick(0, 0), mode="dcd", thickness=0.5)
+        counts = [len(session.step())]
+        for half in (0.5, 0.25, 0.75):
+            edit = collided.Edit({"tip": collided.Mesh(vertex_count=3, half_thickness=half)})
+            counts.append(len(session.step(edit=edit)))
+            self.assertEqual(session.scene.refresh().spec.meshes[1].half_thickness, half)
+        self.assertEqual(counts, [0, 1, 0, 1])
+        with self.assertRaises(collided.InvalidArgument) as refused:
+            session.step(edit=collided.Edit({"tip": collided.Mesh(vertex_count=3, half_thickness=1e300)}))
+        self.assertEqual(refused.exception.field, "frame.edit.meshes[0].spec.half_thickness")
+        self.assertEqual(len(session.step()), 1)
+
+    def test_fast_frames_need_a_distance_for_each_pair(self):
+        with self.assertRaises(collided.InvalidArgument) as refused:
+            self.session(what=self.thick(0, 0), mode="dcd", accuracy="fast")
+        self.assertEqual(refused.exception.field, "spec.thickness")
+        session = self.session(what=self.thick(0.6, 0.6), mode="dcd", accuracy="fast")
+        self.assertEqual(len(session.step()), 1)
+
+    def test_frames_of_sets_know_it(self):
+        tips = np.stack([TIP, lowered(0.5)])
+        for transport in TRANSPORTS:
+            with collided.SceneBatch(self.thick(0.25, 0.25), 2, server=self.server, mode="dcd", thickness=0.25,
+                                     transport=transport) as batch:
+                self.assertEqual(batch.step({"tip": tips}).counts.tolist(), [0, 1])
 
 
 class Formats(Case):

@@ -1,6 +1,8 @@
 // Scenes that are edited while frames flow, whichever way they go.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "client/cpp/transport/grpc/channel.hpp"
 #include "tests/integration/client_library/client_layers.hpp"
 #include "tests/integration/client_library/client_ways.hpp"
@@ -113,6 +115,21 @@ TEST_P(Edits, ATearBeginsWhereItSays) {
   EXPECT_EQ(now().spec().meshes(1).name(), "first");  // it kept its name
 }
 
+// The body is one below the ground, and stands still.
+TEST_P(Edits, AMeshGetsThickerAndThinner) {
+  FrameStream stream = open();
+  stream.send(first_frame());
+  stream.receive().check();
+  uint64_t id = 2;
+  for (const double half : {0.5, 1.25, 0.75}) {
+    pb::Frame frame = frame_of(id++);
+    *frame.mutable_edit()->add_meshes() = client::edited_mesh(1, {.vertex_count = 3, .half_thickness = half});
+    stream.send(frame);
+    EXPECT_EQ(met_by(stream.receive()), half > 1 ? std::vector<uint32_t>{3} : std::vector<uint32_t>{}) << half;
+    EXPECT_EQ(now().spec().meshes(1).half_thickness(), half);
+  }
+}
+
 // Each is answered, names what is wrong, and leaves the scene as it was.
 TEST_P(Edits, RefusedOnesLeaveTheScene) {
   FrameStream stream = open();
@@ -143,6 +160,9 @@ TEST_P(Edits, RefusedOnesLeaveTheScene) {
   EXPECT_EQ(refused(with_mesh(1, {.vertex_count = 4})), "frame.edit.meshes[0].spec.triangles");
   EXPECT_EQ(refused(with_mesh(1, {.vertex_count = 3, .triangles = kOne, .exclude_rings = 9})),
             "frame.edit.meshes[0].spec.exclude_rings");
+  for (const double half : {-1.0, std::nan(""), HUGE_VAL, 1e300})
+    EXPECT_EQ(refused(with_mesh(1, {.vertex_count = 3, .half_thickness = half})),
+              "frame.edit.meshes[0].spec.half_thickness");
   EXPECT_EQ(refused(with_mesh(2, body("second"))), "frame.updates");  // without its positions
   EXPECT_EQ(refused([](pb::Frame& f) { *f.mutable_edit()->add_meshes() = client::removed_mesh(2); }),
             "frame.edit.meshes[0]");

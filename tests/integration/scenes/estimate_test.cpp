@@ -1,6 +1,7 @@
 // EstimateScene against CreateScene and what the scene then holds, sends and runs.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "tests/integration/support/daemon_process.hpp"
@@ -167,6 +168,10 @@ TEST_F(Estimate, RefusesWhatCreateSceneRefuses) {
                              [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_vertex_count(~0u); },
                              [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_triangle_count(~0u); },
                              [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_exclude_rings(9); },
+                             [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_half_thickness(-1); },
+                             [](pb::SceneSpec& spec) { spec.mutable_meshes(0)->set_half_thickness(std::nan("")); },
+                             [](pb::SceneSpec& spec) { spec.mutable_meshes(0)->set_half_thickness(HUGE_VAL); },
+                             [](pb::SceneSpec& spec) { spec.mutable_meshes(1)->set_half_thickness(1e300); },
                              [](pb::SceneSpec& spec) { spec.set_rest_distance(1); },
                              [](pb::SceneSpec& spec) { spec.add_excluded_meshes()->set_first(2); }};
   for (const Change change : kBad) {

@@ -112,15 +112,11 @@ TEST_F(ConvertEdit, IsOfSoManyMeshes) {
   EXPECT_EQ(refused(), "frame.edit.meshes");
 }
 
-// As at creation: 0 means the thickness, once a mesh leaves out what is near at rest.
-TEST_F(ConvertEdit, TakesTheThicknessForTheDistanceAtRest) {
-  plan_.engine.thickness = 0.5;
+TEST_F(ConvertEdit, TakesHowThickAMeshIs) {
   pb::MeshSpec& cloth = add(0, "", 4);
-  EXPECT_EQ(parse().engine->rest_distance, 0);
-  cloth.set_exclude_rest_pairs(true);
-  EXPECT_EQ(parse().engine->rest_distance, 0.5);
-  plan_.engine.rest_distance = 0.25;
-  EXPECT_EQ(parse().engine->rest_distance, 0);  // the scene has one
+  EXPECT_EQ(parse().engine->meshes[0].spec.half_thickness, 0);
+  cloth.set_half_thickness(0.25);
+  EXPECT_EQ(parse().engine->meshes[0].spec.half_thickness, 0.25);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ TEST(ConvertMeshes, TakesWhatIsLeftOutAndTellsIt) {
     s.mutable_meshes(1)->set_name("bag");
     s.mutable_meshes(0)->set_exclude_rings(8);
     s.mutable_meshes(1)->set_exclude_rest_pairs(true);
-    s.set_thickness(0.25);
+    s.set_rest_distance(0.5);
     auto* pair = s.add_excluded_meshes();
     pair->set_first(1);
     pair->set_second(0);
@@ -27,15 +27,45 @@ TEST(ConvertMeshes, TakesWhatIsLeftOutAndTellsIt) {
   const SceneSpec engine = parse_scene(wanted, {}).plan.engine;
   EXPECT_EQ(engine.meshes[0].excluded_rings, 8u);
   EXPECT_TRUE(!engine.meshes[0].excludes_rest_pairs && engine.meshes[1].excludes_rest_pairs);
-  EXPECT_EQ(engine.rest_distance, 0.25) << "the thickness";
+  EXPECT_EQ(engine.rest_distance, 0.5);
   EXPECT_EQ(engine.excluded_meshes, (std::vector<std::array<uint32_t, 2>>{{1, 0}, {0, 0}}));
   const auto told = shown(wanted).spec();
   EXPECT_EQ(told.meshes(0).exclude_rings(), 8u);
   EXPECT_TRUE(told.meshes(1).exclude_rest_pairs());
-  EXPECT_EQ(told.rest_distance(), 0.25);
+  EXPECT_EQ(told.rest_distance(), 0.5);
   ASSERT_EQ(told.excluded_meshes_size(), 2);
   EXPECT_EQ(told.excluded_meshes(0).first(), 1u);
-  EXPECT_EQ(shown(request()).spec().rest_distance(), 0);
+  EXPECT_EQ(shown(request_with([](pb::SceneSpec& s) {
+              s.set_thickness(0.25);
+              s.mutable_meshes(0)->set_exclude_rest_pairs(true);
+            }))
+                .spec()
+                .rest_distance(),
+            0)
+      << "each mesh's own distance";
+}
+
+TEST(ConvertMeshes, TakesHowThickEachIsAndTellsIt) {
+  const auto wanted = request_with([](pb::SceneSpec& s) {
+    *s.add_meshes() = s.meshes(0);
+    s.mutable_meshes(1)->set_name("bag");
+    s.mutable_meshes(1)->set_half_thickness(0.1);
+  });
+  const SceneSpec engine = parse_scene(wanted, {}).plan.engine;
+  EXPECT_EQ(engine.meshes[0].half_thickness, 0);
+  EXPECT_EQ(engine.meshes[1].half_thickness, 0.1);
+  EXPECT_EQ(shown(wanted).spec().meshes(0).half_thickness(), 0);
+  EXPECT_EQ(shown(wanted).spec().meshes(1).half_thickness(), 0.1);
+}
+
+TEST(ConvertMeshes, RefusalsOfAHalfThicknessNameValueAndLimit) {
+  const auto refusal = [](double half) {
+    return refusal_of(request_with([&](pb::SceneSpec& s) { s.mutable_meshes(0)->set_half_thickness(half); }));
+  };
+  const std::string rule = "; it must be from 0 to 4.253529586511731e+37";
+  EXPECT_EQ(refusal(-1), "spec.meshes[0].half_thickness is -1" + rule);
+  EXPECT_EQ(refusal(std::nan("")), "spec.meshes[0].half_thickness is nan" + rule);
+  EXPECT_EQ(refusal(INFINITY), "spec.meshes[0].half_thickness is inf" + rule);
 }
 
 TEST(ConvertMeshes, RefusalsOfWhatIsLeftOutNameValueAndLimit) {

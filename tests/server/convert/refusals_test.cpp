@@ -86,6 +86,8 @@ TEST(Refusals, NameNothingThatTheSceneOrTheFrameHasAlready) {
             ". What takes less: report any_hit or earliest_only; fewer kinds; fewer fields; meshes that are left out "
             "(groups and collide_mask, excluded_meshes, no_self_contacts); a smaller thickness; or " +
                 std::string(kRaised));
+  spec.meshes[1].half_thickness = 0.1;
+  EXPECT_TRUE(has(advice_for(spec), "; a smaller thickness; a smaller half_thickness; or "));
   FrameInput frame;
   frame.report = Report::kEarliestOnly;
   EXPECT_TRUE(has(advice_for(spec, frame), ": report any_hit; fewer kinds; fewer fields;"));

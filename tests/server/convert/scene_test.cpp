@@ -260,6 +260,9 @@ TEST(ConvertScene, RefusesBadValues) {
   refuse("spec.meshes[0].triangles", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->clear_triangles(); });
   refuse("spec.kinds[0]", [](Request& r) { r.mutable_spec()->add_kinds(pb::CONTACT_KIND_UNSPECIFIED); });
   refuse("spec.meshes[0].exclude_rings", [](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_exclude_rings(9); });
+  for (const double half : {-1.0, kNan, kInfinity, 1e300})
+    refuse("spec.meshes[0].half_thickness",
+           [&](Request& r) { r.mutable_spec()->mutable_meshes(0)->set_half_thickness(half); });
   for (const double distance : {-1.0, kNan, kInfinity})
     refuse("spec.rest_distance", [&](Request& r) { r.mutable_spec()->set_rest_distance(distance); });
   refuse("spec.expected_contacts", [](Request& r) { r.mutable_spec()->set_expected_contacts(kMaxListLength + 1); });

@@ -182,6 +182,8 @@ typedef struct collided_mesh {
   uint32_t excluded_rings;     /* 0 to 8: leave out self contacts of features that so many edges or fewer connect */
   int32_t excludes_rest_pairs; /* leave out self contacts of features within rest_distance in the first frame */
   int32_t reserved;            /* 0 */
+  double half_thickness;       /* >= 0, finite: two meshes are in contact up to thickness and both halves, a mesh and
+                                  itself up to thickness and twice its half */
 } collided_mesh;
 
 typedef struct collided_scene_spec {
@@ -202,7 +204,7 @@ typedef struct collided_scene_spec {
   double thickness;           /* DCD: contact distance, >= 0, finite */
   double delta;               /* CCD from GUARDED on: tolerance, >= 0, finite; 0: relative to each pair's size */
   double min_separation;      /* CCD: distance that frames with `advance` keep, >= 0, finite */
-  double rest_distance;       /* of excludes_rest_pairs, >= 0, finite; 0: thickness */
+  double rest_distance;       /* of excludes_rest_pairs, >= 0, finite; 0: each mesh's own contact distance */
   const double* quantized_in; /* [6] of Q16: lower x y z, upper x y z, finite, lower <= upper; else null */
   uint64_t memory_budget;     /* bytes on the device; 0: no limit but the device's */
   uint64_t expected_contacts; /* of a frame, below 2^32: memory is reserved for so many; 0: for few */

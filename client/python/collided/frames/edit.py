@@ -45,8 +45,9 @@ class Applied:
     rested: frozenset[int]
 
 
-def apply_edit(edit: Edit, before: Layout) -> Applied:
-    """Raises InvalidArgument for meshes that are not there."""
+def apply_edit(edit: Edit, before: Layout, has_own_distances: bool) -> Applied:
+    """has_own_distances: what is near at rest goes by each mesh's own contact distance. Raises InvalidArgument for meshes that
+    are not there."""
     if not isinstance(edit, Edit) or not isinstance(edit.meshes, Mapping):
         raise InvalidArgument(f"edit is {edit!r}; it must be an Edit, with a mapping of meshes", field="edit")
     meshes, message = list(before.meshes), scene_pb2.SceneEdit()
@@ -58,7 +59,7 @@ def apply_edit(edit: Edit, before: Layout) -> Applied:
         new = None if source is None else _replacement(source, key, old)
         if new is not None:
             mesh_edit.spec.CopyFrom(new.spec())
-            if new.element_count or old is None or not (old.self_contacts and old.exclude_rest_pairs):
+            if _begins_at_rest(new, old, has_own_distances):
                 rested.add(index)
             new = _with_elements_of(new, old)
             if old is None or (old.vertex_count, old.motion) != (new.vertex_count, new.motion):
@@ -92,6 +93,13 @@ def _place(key: str | int, meshes: list[Mesh | None], edited: set[int]) -> int:
 def _replacement(source: Any, key: str | int, old: Mesh | None) -> Mesh:
     name = key if isinstance(key, str) else old.name if old is not None else ""
     return as_mesh(source, name or (source.name if isinstance(source, Mesh) and source.name else f"mesh {key}"))
+
+
+def _begins_at_rest(new: Mesh, old: Mesh | None, has_own_distances: bool) -> bool:
+    """Whether the pairs that the mesh leaves out are those near each other in the edit's frame."""
+    if new.element_count or old is None or not (old.self_contacts and old.exclude_rest_pairs):
+        return True
+    return has_own_distances and new.half_thickness != old.half_thickness
 
 
 def _with_elements_of(new: Mesh, old: Mesh | None) -> Mesh:

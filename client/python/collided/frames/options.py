@@ -6,10 +6,10 @@ from typing import Any, TypedDict
 
 import numpy as np
 
+from collided.arrays import check_length
 from collided.choices import check_flag, choice, usable
 from collided.errors import InvalidArgument
 from collided.frames.edit import Edit
-from collided.options import check_length
 from collided.v1 import frame_pb2, scene_pb2
 
 

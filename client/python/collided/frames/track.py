@@ -101,7 +101,7 @@ class Track:
         `positions` do not have, in memory that they cannot name."""
         head = frame_head(options)
         edit = options.get("edit")
-        applied = None if edit is None else apply_edit(edit, layout)
+        applied = None if edit is None else apply_edit(edit, layout, self.options.rest_distance == 0)
         context = Context(layout if applied is None else applied.layout, self.form, self.has_starts)
         updates = [*updates_of(context, positions, start), *placed]
         if applied is not None:

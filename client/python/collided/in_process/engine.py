@@ -229,7 +229,7 @@ def _spec(spec: scene_pb2.SceneSpec, layout: Layout, keep: list[np.ndarray]) -> 
             edge_count=len(asked.edges) // 8, points=borrowed(asked.points), point_count=len(asked.points) // 4,
             vertex_count=asked.vertex_count, motion=asked.motion, groups=asked.groups, collide_mask=asked.collide_mask,
             no_self_contacts=asked.no_self_contacts, excluded_rings=asked.exclude_rings,
-            excludes_rest_pairs=asked.exclude_rest_pairs)
+            excludes_rest_pairs=asked.exclude_rest_pairs, half_thickness=asked.half_thickness)
     excluded = [mesh for pair in spec.excluded_meshes for mesh in (pair.first, pair.second)]
     out = library.SceneSpec(
         spec, meshes=meshes, mesh_count=len(meshes), excluded_meshes=borrowed(excluded), excluded_mesh_count=len(excluded) // 2,

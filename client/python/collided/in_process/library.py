@@ -34,7 +34,7 @@ class Mesh(_Sized):
                 ("triangle_count", c_uint64), ("edge_count", c_uint64), ("point_count", c_uint64),
                 ("vertex_count", c_uint32), ("motion", c_int32), ("groups", c_uint32), ("collide_mask", c_uint32),
                 ("no_self_contacts", c_int32), ("excluded_rings", c_uint32), ("excludes_rest_pairs", c_int32),
-                ("reserved", c_int32)]
+                ("reserved", c_int32), ("half_thickness", c_double)]
 
 
 class SceneSpec(_Sized):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from collided.arrays import UINT32_MAX, check_below, ids, is_whole, points
+from collided.arrays import UINT32_MAX, check_below, check_length, ids, is_whole, points
 from collided.choices import check_flag, check_text, choice, word
 from collided.errors import InvalidArgument
 from collided.meshes.files import read_mesh_file
@@ -32,6 +32,8 @@ class Mesh:
     self_contacts: whether the mesh is tested with itself.
     exclude_rings: 0 to 8; leave out self contacts of features that so many edges or fewer connect.
     exclude_rest_pairs: leave out self contacts of features within the scene's rest_distance where the mesh begins.
+    half_thickness: half of what the mesh is thick beyond the scene's `thickness`, >= 0, finite, in the unit of the positions.
+        Two meshes are in contact up to `thickness` and both halves, a mesh and itself up to `thickness` and twice its half.
     notes: what `read` welded, joined or dropped, such as "welded 36 corners into 8 vertices".
 
     Raises InvalidArgument for shapes, dtypes and vertex numbers that cannot be.
@@ -49,6 +51,7 @@ class Mesh:
     self_contacts: bool = field(default=True, kw_only=True)
     exclude_rings: int = field(default=0, kw_only=True)
     exclude_rest_pairs: bool = field(default=False, kw_only=True)
+    half_thickness: float = field(default=0.0, kw_only=True)
     notes: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
@@ -68,6 +71,7 @@ class Mesh:
             self._check_whole(name, limit)
         for name in ("self_contacts", "exclude_rest_pairs"):
             object.__setattr__(self, name, check_flag(getattr(self, name), name))
+        check_length(self.half_thickness, "half_thickness")
 
     def _check_whole(self, name: str, limit: int) -> None:
         value = getattr(self, name)
@@ -142,8 +146,8 @@ class Mesh:
             name=self.name, vertex_count=self.vertex_count, groups=self.groups, collide_mask=self.collide_mask,
             motion=choice(scene_pb2.MeshMotion, "MESH_MOTION_", self.motion, "motion"),
             no_self_contacts=not self.self_contacts, exclude_rings=self.exclude_rings,
-            exclude_rest_pairs=self.exclude_rest_pairs, triangle_count=len(self.triangles),
-            edges=self.edges.tobytes(), points=self.points.tobytes())
+            exclude_rest_pairs=self.exclude_rest_pairs, half_thickness=self.half_thickness,
+            triangle_count=len(self.triangles), edges=self.edges.tobytes(), points=self.points.tobytes())
         if with_triangles:
             spec.triangles = self.triangles.tobytes()
         return spec

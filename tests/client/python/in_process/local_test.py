@@ -55,15 +55,17 @@ CASES = {
     "earliest": {"report": "earliest_only"},
     "rest": {"rest": True, "rest_distance": 0.01, "mode": "dcd_and_ccd", "thickness": 0.02},
     "excluded": {"exclude": [("cloth", "cloth")]},
+    "thick": {"half": 0.05, "mode": "dcd", "thickness": 0.01},
+    "thick rest": {"half": 0.02, "rest": True, "mode": "dcd"},
 }
 
 
 def run(server, options):
     """Contacts of frames with whole, sparse, rigid, trial and advancing updates."""
     options = dict(options)
-    dtype, rest = options.pop("dtype", "<f4"), options.pop("rest", False)
+    dtype, rest, half = options.pop("dtype", "<f4"), options.pop("rest", False), options.pop("half", 0)
     fields = {"fields": options.pop("fields", collided.options.FIELDS)}
-    made = {"cloth": collided.Mesh(wave(0, 0.5, dtype), grid(), exclude_rest_pairs=rest),
+    made = {"cloth": collided.Mesh(wave(0, 0.5, dtype), grid(), exclude_rest_pairs=rest, half_thickness=half),
             "ground": collided.Mesh(wave(2, 0, dtype), grid(), motion="rigid")}
     out, kind = [], {} if options.get("mode") else {"from_last_fraction": 0.5}
     with collided.Session(made, server=server, device="cpu", **fields, **options) as session:
