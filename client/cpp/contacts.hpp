@@ -60,7 +60,7 @@ struct DeviceContacts {
 /// One value for each kind of contact.
 template <class T>
 struct PerKind {
-  T vertex_triangle{}, edge_edge{}, triangle_triangle{};
+  T vertex_triangle{}, edge_edge{}, triangle_triangle{}, edge_triangle{};
 };
 
 /// visit(kind, value of each of `structs`) for each kind, in the order of answers.
@@ -69,6 +69,7 @@ void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(v1::CONTACT_KIND_VERTEX_TRIANGLE, structs.vertex_triangle...);
   visit(v1::CONTACT_KIND_EDGE_EDGE, structs.edge_edge...);
   visit(v1::CONTACT_KIND_TRIANGLE_TRIANGLE, structs.triangle_triangle...);
+  visit(v1::CONTACT_KIND_EDGE_TRIANGLE, structs.edge_triangle...);
 }
 
 /// What the second feature of a vertex-triangle contact is.

@@ -15,7 +15,7 @@ static_assert(int{pb::ContactChunk::kWorldsFieldNumber} == pb::SharedArrays::kWo
 // The engine's bytes go out as they are.
 static_assert(kFlagCertified == int{pb::CONTACT_FLAG_CERTIFIED} && kFlagNear == int{pb::CONTACT_FLAG_NEAR} &&
               kFlagCapped == int{pb::CONTACT_FLAG_CAPPED} && kFlagInitial == int{pb::CONTACT_FLAG_INITIAL} &&
-              kFlagSeparating == int{pb::CONTACT_FLAG_SEPARATING});
+              kFlagSeparating == int{pb::CONTACT_FLAG_SEPARATING} && kFlagTouching == int{pb::CONTACT_FLAG_TOUCHING});
 
 // The number in ContactChunk of each field's array.
 template <class T>

@@ -27,7 +27,9 @@ constexpr PerKind<Kind> kKinds{
                   &pb::FrameCounts::set_candidates_edge_edge, &pb::FrameCounts::set_survivors_edge_edge,
                   &pb::FrameCounts::set_contacts_edge_edge},
     .triangle_triangle = {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, &pb::ContactBytes::set_triangle_triangle, nullptr,
-                          nullptr, &pb::FrameCounts::set_contacts_triangle_triangle}};
+                          nullptr, &pb::FrameCounts::set_contacts_triangle_triangle},
+    .edge_triangle = {pb::CONTACT_KIND_EDGE_TRIANGLE, &pb::ContactBytes::set_edge_triangle, nullptr, nullptr,
+                      &pb::FrameCounts::set_contacts_edge_triangle}};
 
 bool& wanted(SceneSpec& engine, pb::ContactKind message, int index) {
   bool* found = nullptr;

@@ -138,12 +138,20 @@ struct OptionPath {
   std::string field, shown;
 };
 
+// The kind of contacts that an option of the engine asks for, if it is one that some scenes cannot have.
+std::optional<pb::ContactKind> kind_of(const std::string& option) {
+  if (option == "triangle_triangle") return pb::CONTACT_KIND_TRIANGLE_TRIANGLE;
+  if (option == "edge_triangle") return pb::CONTACT_KIND_EDGE_TRIANGLE;
+  return std::nullopt;
+}
+
 OptionPath path_in(const pb::SceneSpec& spec, const std::string& option) {
-  if (option != "triangle_triangle") return {spec_path(option), spec_path(option)};
+  const auto kind = kind_of(option);
+  if (!kind) return {spec_path(option), spec_path(option)};
   const auto& kinds = spec.kinds();
-  const auto found = std::find(kinds.begin(), kinds.end(), pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
-  const std::string field = fmt::format("spec.kinds[{}]", std::distance(kinds.begin(), found));
-  return {field, field + ", CONTACT_KIND_TRIANGLE_TRIANGLE,"};
+  const std::string field =
+      fmt::format("spec.kinds[{}]", std::distance(kinds.begin(), std::find(kinds.begin(), kinds.end(), *kind)));
+  return {field, fmt::format("{}, {},", field, pb::ContactKind_Name(*kind))};
 }
 
 constexpr bool always(const FrameInput&) { return true; }
@@ -160,6 +168,7 @@ constexpr OptionRow kOptions[] = {
     {"delta", [](const FrameInput& frame) { return frame.delta.has_value(); }, false},
     {"report", [](const FrameInput& frame) { return frame.report.has_value(); }, true},
     {"triangle_triangle", never, true},
+    {"edge_triangle", never, true},
     {"ignore_separating", always, true},
     {"advance", always, true},
     {"limits", always, false},
@@ -271,8 +280,8 @@ void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
   const bool is_mode = !is_own && frame.mode && !frame.accuracy;
   const std::string field = is_own ? frame_path(e.field()) : is_mode ? "frame.mode" : "frame.accuracy";
   const std::string value = name_of(frame.accuracy.value_or(scene.accuracy));
-  const std::string option =
-      e.field() == "triangle_triangle" ? "CONTACT_KIND_TRIANGLE_TRIANGLE of spec.kinds" : spec_path(e.field());
+  const auto kind = kind_of(e.field());
+  const std::string option = kind ? pb::ContactKind_Name(*kind) + " of spec.kinds" : spec_path(e.field());
   if (!is_own)
     throw InvalidInput(field,
                        fmt::format("{} is {}: {}", field, is_mode ? name_of(*frame.mode) : value, renamed(e, option)));

@@ -1,3 +1,4 @@
+from collided.v1 import added_in_pb2 as _added_in_pb2
 from collided.v1 import shared_range_pb2 as _shared_range_pb2
 from google.protobuf.internal import enum_type_wrapper as _enum_type_wrapper
 from google.protobuf import descriptor as _descriptor
@@ -17,8 +18,10 @@ CONTACT_FLAG_CERTIFIED: ContactFlag
 CONTACT_FLAG_INITIAL: ContactFlag
 CONTACT_FLAG_NEAR: ContactFlag
 CONTACT_FLAG_SEPARATING: ContactFlag
+CONTACT_FLAG_TOUCHING: ContactFlag
 CONTACT_FLAG_UNSPECIFIED: ContactFlag
 CONTACT_KIND_EDGE_EDGE: ContactKind
+CONTACT_KIND_EDGE_TRIANGLE: ContactKind
 CONTACT_KIND_TRIANGLE_TRIANGLE: ContactKind
 CONTACT_KIND_UNSPECIFIED: ContactKind
 CONTACT_KIND_VERTEX_TRIANGLE: ContactKind
