@@ -16,6 +16,9 @@
 
 namespace collided::server {
 
+/// What each contact that limits a way has, whatever the scene asks for.
+constexpr OutputFields kLimitFields{.columns = kFieldsOfLimits, .stencils = true};
+
 /// One array of a chunk: its field number in ContactChunk or ShortenedWays, and its bytes.
 struct ChunkArray {
   int field = 0;

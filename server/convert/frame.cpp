@@ -66,6 +66,7 @@ FrameInput parse_frame(const pb::Frame& frame, std::span<const PlacedPositions> 
   input.ignore_separating = frame.ignore_separating();
   input.advance = frame.advance();
   input.advance_mode = advance_mode_of(frame);
+  input.limits = frame.limits();
   input.trial = frame.trial();
   if (frame.has_from_last_fraction()) input.start_fraction = frame.from_last_fraction();
   check_frame_options(scene, input);

@@ -162,6 +162,7 @@ constexpr OptionRow kOptions[] = {
     {"triangle_triangle", never, true},
     {"ignore_separating", always, true},
     {"advance", always, true},
+    {"limits", always, false},
     {"start_fraction", always, false},
 };
 

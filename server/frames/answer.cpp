@@ -5,20 +5,23 @@
 
 namespace collided::server {
 
-void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes,
-                     const std::function<void(std::span<const Chunk>)>& encode) {
+void encode_contacts(
+    const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes, size_t max_limit_bytes,
+    const std::function<void(std::span<const Chunk> contacts, std::span<const Chunk> limits)>& encode) {
   const auto begin = Clock::now();
   OutputFields fields = scene.plan()->fields;
   fields.worlds = frame.tells_worlds;
   const auto chunks = cut_into_chunks(frame.result, fields, max_chunk_bytes, &frame.result.worlds.begin);
+  const auto limits = cut_into_chunks(frame.result.limits, kLimitFields, max_limit_bytes);
   frame.cost.bytes_out += array_bytes(frame.result.shortened);
-  for (const Chunk& chunk : chunks) frame.cost.bytes_out += chunk.array_bytes();
+  for (const auto* all : {&chunks, &limits})
+    for (const Chunk& chunk : *all) frame.cost.bytes_out += chunk.array_bytes();
   for_each_kind(
       [&](ContactKind, const PlacedContacts& placed) {
         for (const PlacedArray& array : arrays_of(placed)) frame.cost.bytes_out += array.range.bytes;
       },
       frame.result.placed);
-  encode(chunks);
+  encode(chunks, limits);
   frame.cost.encode_milliseconds = milliseconds_since(begin);
   frame.cost.total_milliseconds = milliseconds_since(frame.arrival);
 }

@@ -18,12 +18,13 @@ namespace pb = collided::v1;
 /// Bytes of arrays in one message of an answer over gRPC.
 constexpr size_t kMaxChunkBytes = pb::kMaxAnswerBytes / 2;
 
-/// Cuts the frame's contacts into chunks of at most `max_chunk_bytes` of arrays, passes them to `encode`, and completes
-/// the frame's cost: `bytes_out` before that call, the times after it.
-void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes,
-                     const std::function<void(std::span<const Chunk>)>& encode);
+/// Cuts the frame's contacts into chunks of at most `max_chunk_bytes` of arrays, and those that limit its way into
+/// chunks of at most `max_limit_bytes`. Passes both to `encode`, and completes the frame's cost: `bytes_out` before
+/// that call, the times after it.
+void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes, size_t max_limit_bytes,
+                     const std::function<void(std::span<const Chunk> contacts, std::span<const Chunk> limits)>& encode);
 
-/// The end of the answer, without contacts and shortened ways. The frame's cost must be complete.
+/// The end of the answer, without contacts, limits and shortened ways. The frame's cost must be complete.
 pb::FrameDone done_message(const AnsweredFrame& frame);
 
 }  // namespace collided::server

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "server/convert/chunks.hpp"
 #include "server/convert/edit.hpp"
 #include "server/convert/options.hpp"
 #include "server/errors.hpp"
@@ -119,6 +120,9 @@ PendingFrame admit_frame(SceneHost& host, Scene& scene, IncomingFrame incoming) 
       send_positions(scene, std::move(incoming.slot), frame);
     }
     frame.input.bytes_beside_contact = incoming.answer_bytes_per_contact + (is_set ? sizeof(uint32_t) : 0);
+    if (frame.input.limits)
+      frame.input.bytes_beside_contact =
+          std::max(frame.input.bytes_beside_contact, uint64_t{kLimitFields.contact_bytes()});
     const OutputFields& fields = frame.basis.plan->fields;
     frame.input.room = {incoming.room, fields.columns, fields.stencils};
   } catch (...) {

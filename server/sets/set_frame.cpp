@@ -116,6 +116,7 @@ void check_has_none(const pb::Frame& frame) {
   if (frame.report() != pb::REPORT_UNSPECIFIED && frame.report() != pb::REPORT_ALL) refuse("frame.report");
   if (frame.advance()) refuse("frame.advance");
   if (frame.advance_mode() != pb::ADVANCE_MODE_UNSPECIFIED) refuse("frame.advance_mode");
+  if (frame.limits()) refuse("frame.limits");
   if (frame.trial()) refuse("frame.trial");
   if (frame.has_from_last_fraction()) refuse("frame.from_last_fraction");
   if (frame.has_edit()) refuse("frame.edit");

@@ -96,6 +96,7 @@ const std::map<std::string, Probe> kProbes = {
     {"Frame.advance_mode",
      {[](pb::Frame& f) { f.set_advance_mode(pb::ADVANCE_MODE_PER_MESH); },
       is_refused("frame.advance_mode is ADVANCE_MODE_PER_MESH, but frame.advance is false")}},
+    {"Frame.limits", {[](pb::Frame& f) { f.set_limits(true); }, is_refused("frame.limits is on, but advance is off")}},
     {"Frame.trial",
      {[](pb::Frame& f) { f.set_trial(true); }, [](const Told& told) { return told.last_frame_id == 1; }}},
     {"Frame.from_last_fraction",

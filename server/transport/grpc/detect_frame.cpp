@@ -28,17 +28,22 @@ void check_no_stream(const Scene& scene) {
 void check_size(const AnsweredFrame& frame) {
   if (frame.cost.bytes_out <= kMaxArrayBytes) return;
   throw LimitExceeded("frame",
-                      fmt::format("frame {} was applied, but its contacts and shortened ways take {} bytes, "
+                      fmt::format("frame {} was applied, but its contacts, limits and shortened ways take {} bytes, "
                                   "and one answer holds at most {}; use StreamFrames, which sends them in chunks",
                                   frame.frame_id, frame.cost.bytes_out, kMaxArrayBytes));
 }
 
 void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameResponse& response) {
-  encode_contacts(scene, frame, kMaxChunkBytes, [&](std::span<const Chunk> chunks) {
-    check_size(frame);
-    for (const Chunk& chunk : chunks) fill_chunk(chunk, scene.engine().topology(), response.add_contacts());
-  });
+  const Topology& topology = scene.engine().topology();
+  pb::FrameDone last;
+  encode_contacts(scene, frame, kMaxChunkBytes, kMaxChunkBytes,
+                  [&](std::span<const Chunk> contacts, std::span<const Chunk> limits) {
+                    check_size(frame);
+                    for (const Chunk& chunk : contacts) fill_chunk(chunk, topology, response.add_contacts());
+                    for (const Chunk& chunk : limits) fill_chunk(chunk, topology, last.add_limits());
+                  });
   *response.mutable_done() = done_message(frame);
+  response.mutable_done()->mutable_limits()->Swap(last.mutable_limits());
   if (const ShortenedWays& ways = frame.result.shortened; !ways.ids.empty())
     fill_ways({ways.ids, ways.fractions}, response.mutable_done()->mutable_shortened());
 }

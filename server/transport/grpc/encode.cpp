@@ -81,10 +81,17 @@ class SliceWriter {
   std::vector<grpc::Slice> slices_;
 };
 
+// Says which field of StreamFramesResponse, and which of FrameDone, holds a message.
+struct Place {
+  int field = 0, field_of_done = 0;
+};
+constexpr Place kWays{pb::StreamFramesResponse::kShortenedFieldNumber, pb::FrameDone::kShortenedFieldNumber};
+constexpr Place kLimits{pb::StreamFramesResponse::kLimitsFieldNumber, pb::FrameDone::kLimitsFieldNumber};
+constexpr Place kContacts{pb::StreamFramesResponse::kContactsFieldNumber, pb::FrameDone::kContactsFieldNumber};
+
 // A ContactChunk, or ShortenedWays, ready to be written.
 struct Piece {
-  int field = 0;          ///< of StreamFramesResponse
-  int field_of_done = 0;  ///< of FrameDone
+  Place place = {};
   std::string facts = {};
   std::vector<ChunkArray> arrays = {};
   std::shared_ptr<const MadeArrays> made = {};
@@ -103,7 +110,7 @@ void complete_size(Piece& piece) {
 }
 
 Piece make_piece(const WaysChunk& ways) {
-  Piece piece{pb::StreamFramesResponse::kShortenedFieldNumber, pb::FrameDone::kShortenedFieldNumber};
+  Piece piece{kWays};
   const auto arrays = ways.arrays();
   piece.arrays.assign(arrays.begin(), arrays.end());
   piece.stored = piece.arrays.size();
@@ -111,8 +118,8 @@ Piece make_piece(const WaysChunk& ways) {
   return piece;
 }
 
-Piece make_piece(const Chunk& chunk, const Topology& topology) {
-  Piece piece{pb::StreamFramesResponse::kContactsFieldNumber, pb::FrameDone::kContactsFieldNumber};
+Piece make_piece(const Place& place, const Chunk& chunk, const Topology& topology) {
+  Piece piece{place};
   piece.made = std::make_shared<const MadeArrays>(chunk.make_arrays(topology));
   piece.arrays = chunk.arrays();
   piece.stored = piece.arrays.size();
@@ -136,20 +143,20 @@ void put_piece(SliceWriter& out, int field, const Piece& piece, const std::share
 EncodedMessage encode_piece(const Piece& piece, const std::shared_ptr<AnsweredFrame>& frame) {
   SliceWriter out;
   put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
-  put_piece(out, piece.field, piece, frame);
+  put_piece(out, piece.place.field, piece, frame);
   return out.finish();
 }
 
 EncodedMessage encode_done(std::span<const Piece> pieces, const std::shared_ptr<AnsweredFrame>& frame) {
   const pb::FrameDone done = done_message(*frame);
   size_t size = done.ByteSizeLong();
-  for (const auto& piece : pieces) size += length_of(piece.field_of_done, piece.size);
+  for (const auto& piece : pieces) size += length_of(piece.place.field_of_done, piece.size);
 
   SliceWriter out;
   put_number(out.head(), pb::StreamFramesResponse::kFrameIdFieldNumber, frame->frame_id);
   put_length(out.head(), pb::StreamFramesResponse::kDoneFieldNumber, size);
   done.AppendToString(&out.head());
-  for (const auto& piece : pieces) put_piece(out, piece.field_of_done, piece, frame);
+  for (const auto& piece : pieces) put_piece(out, piece.place.field_of_done, piece, frame);
   EncodedMessage message = out.finish();
   message.ends_frame = true;
   return message;
@@ -171,15 +178,18 @@ std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_
   for (const pb::StreamFramesResponse& errors : world_error_messages(*frame)) messages.push_back(encode(errors));
   size_t alone = 0;  // of the pieces
   std::vector<Piece> pieces;
-  encode_contacts(scene, *frame, max_chunk_bytes, [&](std::span<const Chunk> chunks) {
+  const auto encode_pieces = [&](std::span<const Chunk> contacts, std::span<const Chunk> limits) {
+    const Topology& topology = scene.engine().topology();
     for (const WaysChunk& ways : cut_into_chunks(frame->result.shortened, max_chunk_bytes))
       pieces.push_back(make_piece(ways));
-    for (const Chunk& chunk : chunks) pieces.push_back(make_piece(chunk, scene.engine().topology()));
+    for (const Chunk& chunk : limits) pieces.push_back(make_piece(kLimits, chunk, topology));
+    for (const Chunk& chunk : contacts) pieces.push_back(make_piece(kContacts, chunk, topology));
     std::vector<size_t> sizes;
     for (const Piece& piece : pieces) sizes.push_back(piece.array_bytes());
     alone = pieces.size() - fit_at_end(sizes, max_chunk_bytes);
     for (size_t i = 0; i < alone; ++i) messages.push_back(encode_piece(pieces[i], frame));
-  });
+  };
+  encode_contacts(scene, *frame, max_chunk_bytes, max_chunk_bytes, encode_pieces);
   messages.push_back(encode_done(std::span(pieces).subspan(alone), frame));
   return messages;
 }

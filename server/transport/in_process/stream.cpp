@@ -207,11 +207,15 @@ void InProcessStream::answered(const Scene& scene, const std::shared_ptr<Answere
   InProcessAnswer answer{{}, memory};
   answer.message.set_frame_id(frame->frame_id);
   pb::FrameDone& done = *answer.message.mutable_done();
-  std::vector<pb::ContactChunk> named;
-  encode_contacts(scene, *frame, kNoCut, [&](std::span<const Chunk> chunks) {
-    for (const Chunk& chunk : chunks) share(chunk, scene.engine().topology(), *memory, &named.emplace_back());
-  });
+  const Topology& topology = scene.engine().topology();
+  std::vector<pb::ContactChunk> named, copied;
+  encode_contacts(scene, *frame, kNoCut, kMaxChunkBytes,
+                  [&](std::span<const Chunk> contacts, std::span<const Chunk> limits) {
+                    for (const Chunk& chunk : contacts) share(chunk, topology, *memory, &named.emplace_back());
+                    for (const Chunk& chunk : limits) fill_chunk(chunk, topology, &copied.emplace_back());
+                  });
   done = done_message(*frame);
+  for (pb::ContactChunk& chunk : copied) *done.add_limits() = std::move(chunk);
   if (const ShortenedWays& ways = frame->result.shortened; !ways.ids.empty())
     fill_ways({ways.ids, ways.fractions}, done.mutable_shortened());
   for (pb::ContactChunk& chunk : named) *done.add_contacts() = std::move(chunk);

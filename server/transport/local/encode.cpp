@@ -52,49 +52,34 @@ void name_placed(ContactKind kind, const PlacedContacts& placed, uint64_t offset
   }
 }
 
-// Shares as many contacts of the chunk as fit; the others go into inline pieces.
-void put_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, std::vector<pb::ContactChunk>& pieces) {
+// Shares as many contacts of the chunk as fit; the others go into inline pieces. `next` makes a piece.
+template <class Next>
+void put_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, const Next& next) {
   const size_t bytes = chunk.fields.contact_bytes();
   Chunk piece = chunk;
   piece.end = piece.begin + std::min<size_t>(part.room_for(bytes), chunk.count());
   if (piece.count() > 0)
-    share_chunk(piece, piece.make_arrays(topology), &pieces.emplace_back(),
+    share_chunk(piece, piece.make_arrays(topology), next(),
                 [&](std::span<const std::byte> array, pb::SharedRange* range) { part.put(array, range); });
   const size_t step = std::max<size_t>(1, kInlineBytes / std::max<size_t>(1, bytes));
   for (piece.begin = piece.end; piece.begin < chunk.end; piece.begin = piece.end) {
     piece.end = std::min(piece.begin + step, chunk.end);
-    fill_chunk(piece, topology, &pieces.emplace_back());
+    fill_chunk(piece, topology, next());
   }
 }
 
-std::vector<pb::ShortenedWays> make_ways(const ShortenedWays& shortened) {
-  std::vector<pb::ShortenedWays> ways;
-  for (const WaysChunk& chunk : cut_into_chunks(shortened, kInlineBytes)) fill_ways(chunk, &ways.emplace_back());
-  return ways;
+// Moves a piece of the answer into its end. Of shortened ways there is one at most: a full one never fits.
+void move_into(pb::FrameDone& done, pb::StreamFramesResponse& piece) {
+  if (piece.has_shortened()) *done.mutable_shortened() = std::move(*piece.mutable_shortened());
+  if (piece.has_limits()) *done.add_limits() = std::move(*piece.mutable_limits());
+  if (piece.has_contacts()) *done.add_contacts() = std::move(*piece.mutable_contacts());
 }
 
-std::string ways_packet(uint64_t frame_id, pb::ShortenedWays piece) {
-  pb::StreamFramesResponse response;
-  response.set_frame_id(frame_id);
-  *response.mutable_shortened() = std::move(piece);
-  return to_packet(std::move(response));
-}
-
-std::string contacts_packet(uint64_t frame_id, pb::ContactChunk piece) {
-  pb::StreamFramesResponse response;
-  response.set_frame_id(frame_id);
-  *response.mutable_contacts() = std::move(piece);
-  return to_packet(std::move(response));
-}
-
-// `ways`: the last piece, if any; a full one never fits.
-std::string done_packet(const AnsweredFrame& frame, std::span<pb::ShortenedWays> ways,
-                        std::span<pb::ContactChunk> pieces) {
+std::string done_packet(const AnsweredFrame& frame, std::span<pb::StreamFramesResponse> pieces) {
   pb::StreamFramesResponse response;
   response.set_frame_id(frame.frame_id);
   *response.mutable_done() = done_message(frame);
-  for (auto& piece : ways) *response.mutable_done()->mutable_shortened() = std::move(piece);
-  for (auto& piece : pieces) *response.mutable_done()->add_contacts() = std::move(piece);
+  for (pb::StreamFramesResponse& piece : pieces) move_into(*response.mutable_done(), piece);
   return to_packet(std::move(response));
 }
 
@@ -132,26 +117,31 @@ std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& 
   OutputPart part(region_ && region_->has_device_output() ? std::span<std::byte>() : memory, offset);
   std::vector<std::string> packets;
   for (pb::StreamFramesResponse& errors : world_error_messages(frame)) packets.push_back(to_packet(std::move(errors)));
-  std::vector<pb::ShortenedWays> ways = make_ways(frame.result.shortened);
-  size_t ways_alone = 0, alone = 0;  // of the ways, and of the pieces
-  std::vector<pb::ContactChunk> pieces;
-  for_each_kind(
-      [&](ContactKind kind, const PlacedContacts& placed) {
-        if (placed.count > 0) name_placed(kind, placed, offset, &pieces.emplace_back());
-      },
-      frame.result.placed);
-  encode_contacts(scene, frame, kNoCut, [&](std::span<const Chunk> chunks) {
-    for (const Chunk& chunk : chunks) put_chunk(chunk, scene.engine().topology(), part, pieces);
+  std::vector<pb::StreamFramesResponse> pieces;
+  const auto next_piece = [&]() -> pb::StreamFramesResponse& {
+    pieces.emplace_back().set_frame_id(frame.frame_id);
+    return pieces.back();
+  };
+  size_t alone = 0;  // of the pieces
+  const auto encode = [&](std::span<const Chunk> contacts, std::span<const Chunk> limits) {
+    const Topology& topology = scene.engine().topology();
+    for (const WaysChunk& ways : cut_into_chunks(frame.result.shortened, kInlineBytes))
+      fill_ways(ways, next_piece().mutable_shortened());
+    for (const Chunk& chunk : limits) fill_chunk(chunk, topology, next_piece().mutable_limits());
+    for_each_kind(
+        [&](ContactKind kind, const PlacedContacts& placed) {
+          if (placed.count > 0) name_placed(kind, placed, offset, next_piece().mutable_contacts());
+        },
+        frame.result.placed);
+    for (const Chunk& chunk : contacts)
+      put_chunk(chunk, topology, part, [&]() { return next_piece().mutable_contacts(); });
     std::vector<size_t> sizes;
-    for (const auto& piece : ways) sizes.push_back(piece.ByteSizeLong());
     for (const auto& piece : pieces) sizes.push_back(piece.ByteSizeLong());
-    const size_t all_alone = sizes.size() - fit_at_end(sizes, kInlineBytes);
-    ways_alone = std::min(all_alone, ways.size());
-    alone = all_alone - ways_alone;
-    for (size_t i = 0; i < ways_alone; ++i) packets.push_back(ways_packet(frame.frame_id, std::move(ways[i])));
-    for (size_t i = 0; i < alone; ++i) packets.push_back(contacts_packet(frame.frame_id, std::move(pieces[i])));
-  });
-  packets.push_back(done_packet(frame, std::span(ways).subspan(ways_alone), std::span(pieces).subspan(alone)));
+    alone = pieces.size() - fit_at_end(sizes, kInlineBytes);
+    for (size_t i = 0; i < alone; ++i) packets.push_back(to_packet(std::move(pieces[i])));
+  };
+  encode_contacts(scene, frame, kNoCut, kInlineBytes, encode);
+  packets.push_back(done_packet(frame, std::span(pieces).subspan(alone)));
   return packets;
 }
 

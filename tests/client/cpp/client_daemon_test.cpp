@@ -137,7 +137,8 @@ TEST_F(ClientAndDaemon, MoveAlongGivesThePositionsThatAnAdvanceEndsAt) {
 /// The tip of a triangle is pressed onto a floor, its two other corners stay above it, and a third mesh is far away.
 class PressedVertex : public ClientAndDaemon {
  protected:
-  static constexpr uint32_t kTip = 3;  // scene-wide
+  static constexpr uint32_t kTip = 3;             // scene-wide
+  static constexpr double kSeparation = 0x1p-28;  // 2^-32 of the scene's size, 9.5 rounded up to 16
 
   PressedVertex() {
     v1::SceneSpec spec;
@@ -169,7 +170,7 @@ class PressedVertex : public ClientAndDaemon {
     };
     send(first, tip, free, {.accuracy = v1::ACCURACY_CANDIDATES});
     watcher.receive();
-    FrameOutput output = send(first + 1, tip_end, free_end, {.advance = true, .advance_mode = mode});
+    FrameOutput output = send(first + 1, tip_end, free_end, {.advance = true, .advance_mode = mode, .limits = true});
     move_along(std::span(tip), std::span<const double>(tip_end), output.advance, 1, 3);
     move_along(std::span(free), std::span<const double>(free_end), output.advance, 2, 6);
     const WatchedFrame shown = watcher.receive();
@@ -181,8 +182,24 @@ class PressedVertex : public ClientAndDaemon {
     expect_at(1, free);
     EXPECT_EQ(shown.done.way(), output.done.way());
     EXPECT_FALSE(shown.done.has_shortened());
+    EXPECT_EQ(shown.done.limits_size(), 0);
     stream.finish();
     return output;
+  }
+  /// The pressed vertex comes to the floor, and so does what hangs on it.
+  static void expect_limits(const FrameOutput& output) {
+    const Contacts& limits = output.limits.vertex_triangle;
+    ASSERT_EQ(limits.count, 1u);
+    EXPECT_EQ(limits.elements[0], (std::array<uint32_t, 2>{kTip, 0}));
+    EXPECT_EQ(limits.stencils[0], (std::array<uint32_t, 4>{kTip, 0, 1, 2}));
+    EXPECT_EQ(limits.distance[0], kSeparation);
+    EXPECT_NEAR(limits.toi[0], (1 - kSeparation) / 2.1, 1e-9);
+    EXPECT_LE(limits.toi[0], (1 - kSeparation) / 2.1);
+    EXPECT_NEAR(limits.weights[0][0], 0.25, 1e-9);
+    EXPECT_EQ(limits.normals[0], (std::array<float, 3>{0, 0, 1}));
+    EXPECT_EQ(limits.flags[0], v1::CONTACT_FLAG_CERTIFIED);
+    EXPECT_EQ(output.limits.edge_edge.count, 0u);
+    EXPECT_EQ(output.done.limits_size(), 0);
   }
 
   const Triangles kOne{{0, 1, 2}};
@@ -193,6 +210,7 @@ TEST_F(PressedVertex, AloneIsShortenedOnEveryTransport) {
   for (const Local local : {Local::kOff, Local::kOn}) {
     const FrameOutput output = step({.local = {.use = local}}, v1::ADVANCE_MODE_PER_VERTEX);
     ASSERT_EQ(output.advance.ids, std::vector<uint32_t>{kTip});
+    expect_limits(output);
     EXPECT_EQ(output.advance.fractions[0], output.done.advanced());
     EXPECT_GT(output.done.advanced(), 0.4);
     EXPECT_LT(output.done.advanced(), output.done.earliest_toi());
@@ -204,11 +222,13 @@ TEST_F(PressedVertex, AloneIsShortenedOnEveryTransport) {
 TEST_F(PressedVertex, ShortensItsMeshOrTheSceneInOtherModes) {
   const FrameOutput mesh = step(kOverGrpc, v1::ADVANCE_MODE_PER_MESH);
   EXPECT_EQ(mesh.advance.ids, std::vector<uint32_t>{1});
+  expect_limits(mesh);
   EXPECT_EQ(mesh.advance.of_vertex(1, kTip + 1), mesh.done.advanced());
   EXPECT_EQ(mesh.advance.of_vertex(2, 6), 1);
   for (const auto mode : {v1::ADVANCE_MODE_UNSPECIFIED, v1::ADVANCE_MODE_ALL_OR_ONE}) {
     const FrameOutput all = step(kOverGrpc, mode);
     EXPECT_TRUE(all.advance.ids.empty());
+    expect_limits(all);
     EXPECT_LT(all.done.way(), mesh.done.way());
     EXPECT_NEAR(all.done.way(), all.done.advanced(), 1e-6);
   }

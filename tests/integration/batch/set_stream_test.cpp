@@ -196,6 +196,7 @@ TEST_F(SetStreams, BadFramesNameFieldValueAndLimit) {
     expect("frame.updates[0].mesh", "is 1, but must be 0", ask(good.end, {}, 1));
     expect("frame.advance", "is given", ask(good.end, {.advance = true}));
     expect("frame.advance_mode", "is given", ask(good.end, {.advance_mode = pb::ADVANCE_MODE_PER_MESH}));
+    expect("frame.limits", "is given", ask(good.end, {.limits = true}));
     expect("frame.trial", "is given", ask(good.end, {.trial = true}));
     expect("frame.edit", "is given", ask(good.end, {.edit = pb::SceneEdit()}));
     stream.send(++id, {}, {});

@@ -143,6 +143,14 @@ TEST(ConvertFrame, AnAdvanceModeIsKnownAndOfAnAdvance) {
   EXPECT_EQ(refusal(false, pb::ADVANCE_MODE_UNSPECIFIED), "accepted");
 }
 
+TEST(ConvertFrame, LimitsAreOfAnAdvance) {
+  const auto refusal = [](bool advance) {
+    return refusal_of([](pb::SceneSpec&) {}, [&](pb::Frame& f) { f.set_advance(advance), f.set_limits(true); });
+  };
+  EXPECT_EQ(refusal(false), "frame.limits is on, but advance is off");
+  EXPECT_EQ(refusal(true), "accepted");
+}
+
 TEST(ConvertFrame, PlacedPositionsComeBeforeThoseOfTheMessage) {
   const std::array<std::byte, 36> memory{};
   pb::Frame frame;

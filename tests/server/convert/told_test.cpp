@@ -66,7 +66,7 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
             (std::set<std::string>{"contacts", "metrics.total_milliseconds", "metrics.queue_milliseconds",
                                    "metrics.device_bytes", "metrics.bytes_in", "metrics.bytes_out",
                                    "metrics.decode_milliseconds", "metrics.engine_milliseconds",
-                                   "metrics.encode_milliseconds", "shortened"}));
+                                   "metrics.encode_milliseconds", "shortened", "limits"}));
   EXPECT_EQ(done.contact_count(), 3u);
   EXPECT_EQ(done.advanced(), 0.5);
   EXPECT_EQ(done.way(), 0.75);

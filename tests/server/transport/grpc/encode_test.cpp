@@ -165,6 +165,44 @@ TEST_F(FrameEncode, NoShortenedWayIsLostAndMessagesStayBelowTheBound) {
     }
 }
 
+// Whatever the scene asks for, they have all arrays.
+TEST_F(FrameEncode, NoLimitIsLostAndMessagesStayBelowTheBound) {
+  constexpr size_t kMax = 10'000;
+  const auto scene = scene_with({{ContactField::kToi}, false});
+  for (const uint32_t count : {0u, 1u, 100u, 5000u})
+    for (const uint32_t hits : {0u, 1u, 3000u}) {
+      const auto answer = frame(hits, 0, 0);
+      answer->result.limits.vertex_triangle = contacts(count, 6, 2);
+      answer->result.limits.edge_edge = contacts(count / 2, 6, 6);
+      for (uint32_t i = 0; i < count; ++i)
+        answer->result.shortened.ids.push_back(i), answer->result.shortened.fractions.push_back(0.5);
+      std::vector<pb::ContactChunk> limits;
+      uint64_t came = 0;
+      const auto messages = encode_answer(*scene, answer, kMax);
+      for (const auto& message : messages) {
+        const auto response = parse(message);
+        size_t bytes = array_bytes(response.contacts()) + array_bytes(response.limits());
+        if (response.has_limits()) limits.push_back(response.limits());
+        for (const auto& chunk : response.done().limits()) bytes += array_bytes(chunk), limits.push_back(chunk);
+        for (const auto& chunk : response.done().contacts()) bytes += array_bytes(chunk), came += chunk.count();
+        bytes += response.done().shortened().ids().size() + response.done().shortened().fractions().size();
+        came += response.contacts().count();
+        EXPECT_LE(bytes, kMax);
+      }
+      EXPECT_EQ(came, hits);
+      EXPECT_EQ(messages.size() == 1, answer->cost.bytes_out <= kMax) << count << " " << hits;
+      const auto expected = cut_into_chunks(answer->result.limits, kLimitFields, kMax);
+      ASSERT_EQ(limits.size(), expected.size());
+      for (size_t i = 0; i < limits.size(); ++i) {
+        pb::ContactChunk chunk;
+        fill_chunk(expected[i], scene->engine().topology(), &chunk);
+        ASSERT_EQ(limits[i].SerializeAsString(), chunk.SerializeAsString());
+        EXPECT_EQ(limits[i].normals().size(), 12 * size_t{limits[i].count()});
+      }
+      EXPECT_EQ(answer->cost.bytes_out, 8 * hits + 12 * count + (count + count / 2) * kLimitFields.contact_bytes());
+    }
+}
+
 TEST_F(FrameEncode, TheLastMessageAloneEndsTheFrame) {
   const auto scene = scene_with(kAllFields);
   for (const uint32_t count : {0u, 1u, 2000u}) {

@@ -54,5 +54,33 @@ TEST(LocalAnswer, ShortenedWaysTakeAsManyPacketsAsTheyNeed) {
     }
 }
 
+TEST(LocalAnswer, LimitsTakeAsManyPacketsAsTheyNeed) {
+  SceneBench bench;
+  const SceneUse scene = bench.add();
+  for (const uint32_t count : {0u, 1u, 100u, 5000u, 100'000u}) {
+    AnsweredFrame frame = frame_with(count, 10);
+    ContactSet& limits = frame.result.limits.vertex_triangle;
+    limits.elements = std::vector<std::array<uint32_t, 2>>(count, {3, 0});
+    std::vector<double> toi;
+    for (uint32_t i = 0; i < count; ++i) toi.push_back(1 / (i + 2.0));
+    limits.toi = limits.distance = Column<double>(toi);
+    limits.weights = std::vector<std::array<double, 2>>(count), limits.normals = std::vector<Normal>(count);
+    limits.flags = std::vector<uint8_t>(count, 1);
+    std::string came;
+    uint64_t stencils = 0;
+    const auto take = [&](const pb::ContactChunk& chunk) {
+      EXPECT_FALSE(chunk.has_shared());
+      came += chunk.toi(), stencils += chunk.stencils().size() / 16;
+    };
+    for (const std::string& packet : AnswerWriter(nullptr, 2).write(*scene, frame)) {
+      const pb::StreamFramesResponse response = parse(packet);
+      if (response.has_limits()) take(response.limits());
+      for (const pb::ContactChunk& chunk : response.done().limits()) take(chunk);
+    }
+    EXPECT_EQ(came, std::string(reinterpret_cast<const char*>(toi.data()), 8 * size_t{count}));
+    EXPECT_EQ(stencils, count);
+  }
+}
+
 }  // namespace
 }  // namespace collided::server
