@@ -208,6 +208,8 @@ void FrameStream::State::add(const v1::ContactChunk& chunk) {
 
 void FrameStream::State::add_limits(const v1::ContactChunk& chunk) {
   if (!takes_limits) throw_lost("the daemon names limits of a frame that does not ask for them");
+  if (chunk.kind() == v1::CONTACT_KIND_TRIANGLE_TRIANGLE)
+    throw_lost("limits.kind is CONTACT_KIND_TRIANGLE_TRIANGLE, which limits no way");
   Contacts& limits = value_of(partial.limits, chunk.kind());
   const uint64_t before = limits.count;
   append(limits, chunk);

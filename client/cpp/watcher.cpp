@@ -117,6 +117,7 @@ uint32_t Watcher::vertex_stride() const { return state_->opened.vertex_stride();
 WatchedFrame Watcher::receive() {
   v1::WatchSceneResponse& response = state_->read();
   if (!response.has_done()) throw Error(kDataLoss, "a message of the watch is neither `opened` nor a frame");
+  if (response.done().limits_size() > 0) throw Error(kDataLoss, "the daemon names limits in a watch, which shows none");
   const v1::Scene& scene = state_->opened.scene();
   const bool is_as_opened = response.edit_count() == scene.edit_count();
   if (is_as_opened) check_positions(response, scene);

@@ -55,7 +55,8 @@ void AnswerBytes::take(uint64_t frame_id, uint64_t bytes) {
 void fill_answer(const Scene& set, AnsweredFrame& frame, const std::vector<uint32_t>& worlds, size_t index,
                  AnswerBytes& bytes, pb::SetAnswer* out) {
   const WorldResults& by_world = frame.result.worlds;
-  encode_contacts(set, frame, std::numeric_limits<size_t>::max(), [&](std::span<const Chunk> chunks) {
+  constexpr size_t kNoCut = std::numeric_limits<size_t>::max();
+  const auto encode = [&](std::span<const Chunk> chunks, std::span<const Chunk>) {  // a set's frame has no limits
     const size_t messages = std::min(by_world.refused.size(), kMaxWorldMessages);
     bytes.take(frame.frame_id, frame.cost.bytes_out + chunks.size() * (worlds.size() + 1) * sizeof(uint64_t) +
                                    messages * kWorldErrorBytes + by_world.refused.size() * kBareWorldErrorBytes);
@@ -66,7 +67,8 @@ void fill_answer(const Scene& set, AnsweredFrame& frame, const std::vector<uint3
       fill_chunk(chunk, set.engine().topology(), contacts.mutable_contacts());
     }
     fill_errors(by_world.refused, path_of(index), out);
-  });
+  };
+  encode_contacts(set, frame, kNoCut, kNoCut, encode);
   *out->mutable_done() = done_message(frame);
 }
 

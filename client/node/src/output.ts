@@ -21,7 +21,8 @@ export class FrameOutput implements ContactsByKind {
   /** How far each mesh, or vertex, went, in a frame with `advanceMode` PER_MESH, or PER_VERTEX. */
   readonly shortened: Shortened;
   /**
-   * Contacts that limit the way, in a frame with `limits`. The whole way would bring each of these pairs nearer than it may come.
+   * Contacts that limit the way, in a frame with `limits`. The whole way would bring each of these pairs nearer than it may come,
+   * or is not certain to keep it that far apart.
    * They are vertex-triangle and edge-edge, and have every array, whatever the scene's fields are. `distance` is the least that a
    * pair keeps, in the unit of the positions. `toi`, in [0, 1], is the fraction of the whole way at which the pair comes to that
    * distance, and never later than in truth. `weights` and `normals` are those of `toi`.

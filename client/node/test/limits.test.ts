@@ -1,13 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Code, ContactKind, PositionFormat } from "../src/index.js";
+import { AdvanceMode, Code, ContactField, ContactKind, type FrameInput, PositionFormat, moveAlong } from "../src/index.js";
 import { bytesOf } from "../src/arrays.js";
 import { checkAsked, checkIds } from "../src/check_answer.js";
 import { frameMessage } from "../src/frame.js";
 import { ContactChunk } from "../src/generated/collided/v1/contact.js";
 import { FrameDone } from "../src/generated/collided/v1/frame.js";
 import { FrameOutput } from "../src/output.js";
-import { refused } from "./support.js";
+import { FLOOR, TWO_TRIANGLES, refused, tipAt, useDaemon } from "./support.js";
+
+const used = useDaemon();
 
 const size = { meshes: 2, vertices: 6, elements: 2 };
 
@@ -69,4 +71,53 @@ test("limits that cannot be are refused by name", async () => {
   const stencils = bytesOf(Uint32Array.of(3, 0, 1, 6));
   await lost(/limits.stencils names 6/, () => checkIds(outputOf([], [chunk([3], { stencils })]), size));
   await lost(/limits has 2 contacts, and the frame did not ask/, () => checkAsked(outputOf([chunk([3])], [chunk([4])]).limits, false));
+});
+
+const GAP = 0.25; // that the tip keeps above the floor
+const SCENE = { ...TWO_TRIANGLES, minSeparation: GAP, fields: [ContactField.TOI] };
+
+function limited(depth: number, more: Partial<FrameInput> = {}): FrameInput {
+  const updates = [{ mesh: 1, positions: tipAt(1 - depth) }];
+  return { updates, advance: true, advanceMode: AdvanceMode.PER_VERTEX, limits: true, ...more };
+}
+
+const first = [
+  { mesh: 0, positions: FLOOR },
+  { mesh: 1, positions: tipAt(1) },
+];
+
+/** Expects the tip's way down from 1 by 2 to be limited by the floor. */
+function checkLimited({ limits, vertexTriangle, done }: FrameOutput): void {
+  const { count, elements, stencils, toi, distance, weights, normals, flags } = limits.vertexTriangle;
+  assert.deepEqual([count, limits.edgeEdge.count, limits.triangleTriangle.count], [1, 0, 0]);
+  assert.deepEqual([...elements, ...stencils, ...distance, ...normals, flags.length], [3, 0, 3, 0, 1, 2, GAP, 0, 0, 1, 1]);
+  const x = Float64Array.from(tipAt(1));
+  moveAlong(x, Float64Array.from(tipAt(-1)), toi[0]);
+  assert(x[2] >= GAP && x[2] < GAP + 1e-3, `${x[2]} is where the tip comes to the distance`);
+  assert(weights.every((weight) => Math.abs(weight - 0.25) < 1e-6));
+  assert.deepEqual([done.contactCount, done.limits, vertexTriangle.elements.length], [1n, [], 0]);
+}
+
+test("limits tell when a pair comes to what it keeps", async () => {
+  const scene = await used.client.createScene(SCENE);
+  await used.client.detect(scene, { frameId: 1, updates: first });
+  const unary = await used.client.detect(scene, limited(2, { frameId: 2, trial: true }));
+  checkLimited(unary);
+  const stream = await used.client.stream(scene);
+  const streamed = await stream.detect(limited(2));
+  checkLimited(streamed);
+  assert.deepEqual(streamed.limits, unary.limits);
+  await stream.finish();
+});
+
+test("there are no limits where nothing blocks and where nobody asks", async () => {
+  const stream = await used.client.stream(await used.client.createScene(SCENE));
+  await stream.detect({ updates: first });
+  for (const frame of [limited(0.5), limited(2, { limits: false, trial: true })]) {
+    const { vertexTriangle, edgeEdge } = (await stream.detect(frame)).limits;
+    assert.deepEqual([vertexTriangle.count, edgeEdge.count], [0, 0]);
+  }
+  const plain = limited(2, { advance: false, advanceMode: undefined });
+  await refused(() => stream.detect(plain), Code.INVALID_ARGUMENT, "frame.limits", /advance/);
+  await stream.finish();
 });

@@ -59,7 +59,8 @@ class IllTyped(Case):
     def test_frames(self):
         session = self.session()
         session.step({"tip": TIP})
-        for name in ("mode", "accuracy", "delta", "report", "ignore_separating", "advance", "trial", "from_last_fraction", "edit"):
+        for name in ("mode", "accuracy", "delta", "report", "ignore_separating", "advance", "limits", "trial", "from_last_fraction",
+                     "edit"):
             self.check(name, partial(session.step, {"tip": TIP}))
         for name in ("V0", "V1", "F", "edges", "particles"):
             given = {"V0": TIP, "V1": TIP, "F": ONE}

@@ -64,7 +64,7 @@ def frames(count):
             case 7:
                 yield {"cloth": start + [0, 0, 0.1]}, {"report": "earliest_only"}
             case _:
-                yield {"cloth": start + [0, 0, 0.03]}, {"advance": step > 8, "accuracy": "certified"}
+                yield {"cloth": start + [0, 0, 0.03]}, {"advance": step > 8, "limits": step > 8, "accuracy": "certified"}
 
 
 def play(session, count, disturb=lambda sent: None):

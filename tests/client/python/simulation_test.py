@@ -69,6 +69,18 @@ class Motion(Case):
                 self.assertEqual(crossings.count(sim.session.positions), 0)
             self.assertLess(sim.session.positions["cloth"][:, 2].mean(), self.cloth[0][:, 2].mean() - 0.2)
 
+    def test_a_second_try_by_what_limits_it_goes_all_the_way(self):
+        """With none 52 of the 600 steps do."""
+        with (simulation.Simulation(CELLS, settle=0, tries=1, server=self.server) as sim,
+              Crossings(sim, server=self.server) as crossings):
+            ways = []
+            for _ in range(FRAMES):
+                ways += [step.way for step in sim.frame()]
+                self.assertEqual(crossings.count(sim.session.positions), 0)
+            self.assertGreater(min(ways), 0.99)
+            self.assertGreater(ways.count(1), 0.95 * len(ways))
+            self.assertLess(sim.session.positions["cloth"][:, 2].mean(), self.cloth[0][:, 2].mean() - 0.2)
+
     def test_it_is_the_same_to_the_bit_each_time(self):
         frames = 50
         with simulation.Simulation(CELLS, server=self.server) as sim:

@@ -174,6 +174,7 @@ def assert_same(test, first, second):
     for name in ("kinds", "elements", "stencils", "toi", "distance", "weights", "normals", "flags"):
         if name == "kinds" or first.has_column(name) or second.has_column(name):
             test.assertEqual(getattr(first, name).tobytes(), getattr(second, name).tobytes(), name)
+    test.assertEqual(first.limits.records.tobytes(), second.limits.records.tobytes(), "limits")
     test.assertEqual((first.earliest_toi, first.any_contact, first.advanced, first.way),
                      (second.earliest_toi, second.any_contact, second.advanced, second.way))
     for name in ("ids", "fractions"):

@@ -29,6 +29,11 @@ void put(const Contacts& contacts) {
   put(contacts.flags);
 }
 
+void put(const PerKind<Contacts>& contacts) {
+  put(contacts.vertex_triangle);
+  put(contacts.edge_edge);
+}
+
 /// A sheet of bumps; every coordinate is exact.
 Points sheet(double shift, double height, uint32_t a, uint32_t b) {
   Points points;
@@ -69,7 +74,7 @@ int main(int, char** argv) {
   Client client = Client::connect(argv[1]);
   FrameStream stream = client.stream(client.create_scene(spec(), meshes), {.local = {.use = Local::kOff}});
   const Points lower = sheet(0, 0, 7, 13);
-  for (uint64_t frame = 0; frame < 5; ++frame) {
+  for (uint64_t frame = 0, id = 0; frame < 5; ++frame) {
     Points upper = sheet(0.125, 2.0 - static_cast<double>(frame), 11, 5);
     std::vector<uint32_t> indices;
     if (frame == 4) {  // every third vertex alone, back through the lower sheet
@@ -82,11 +87,17 @@ int main(int, char** argv) {
     }
     const FrameUpdate above{.mesh = 1, .positions = bytes_of(upper), .indices = std::as_bytes(std::span(indices))};
     const FrameUpdate both[] = {{.mesh = 0, .positions = bytes_of(lower)}, above};
-    stream.send(frame + 1, frame == 0 ? std::span(both) : std::span(&above, 1));
+    if (frame == 2) {
+      stream.send(++id, {&above, 1},
+                  {.advance = true, .advance_mode = v1::ADVANCE_MODE_PER_VERTEX, .limits = true, .trial = true});
+      const FrameOutput tried = stream.receive();
+      tried.check();
+      put(tried.limits);
+    }
+    stream.send(++id, frame == 0 ? std::span(both) : std::span(&above, 1));
     const FrameOutput output = stream.receive();
     output.check();
-    put(output.vertex_triangle);
-    put(output.edge_edge);
+    put(static_cast<const PerKind<Contacts>&>(output));
   }
   stream.finish();
 }

@@ -58,6 +58,11 @@ func put(out *bufio.Writer, c *collided.Contacts) {
 	}
 }
 
+func putBoth(out *bufio.Writer, contacts *collided.ContactSet) {
+	put(out, &contacts.VertexTriangle)
+	put(out, &contacts.EdgeEdge)
+}
+
 func main() {
 	ctx := context.Background()
 	client, err := collided.Connect(ctx, os.Args[1], collided.Options{})
@@ -75,10 +80,16 @@ func main() {
 	check(err)
 	out := bufio.NewWriter(os.Stdout)
 	for number := 0; number < 5; number++ {
-		output, err := stream.Detect(ctx, frameOf(number))
+		frame := frameOf(number)
+		if number == 2 {
+			trial := collided.Frame{Updates: frame.Updates, Trial: true, Advance: true, AdvanceMode: collided.PerVertex, Limits: true}
+			tried, err := stream.Detect(ctx, trial)
+			check(err)
+			putBoth(out, &tried.Limits)
+		}
+		output, err := stream.Detect(ctx, frame)
 		check(err)
-		put(out, &output.VertexTriangle)
-		put(out, &output.EdgeEdge)
+		putBoth(out, &output.ContactSet)
 	}
 	check(out.Flush())
 	check(stream.Finish(ctx))

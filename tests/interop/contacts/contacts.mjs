@@ -1,6 +1,6 @@
 // The scene of contacts_test.py with the package for Node. usage: contacts.mjs ADDRESS, next to the package.
 
-import { ContactField, DetectionMode, MeshMotion, PositionFormat, connect } from "collided";
+import { AdvanceMode, ContactField, DetectionMode, MeshMotion, PositionFormat, connect } from "collided";
 
 const SIDE = 17;
 const VERTICES = SIDE * SIDE;
@@ -36,6 +36,10 @@ function bytesOf({ count, ...arrays }) {
   return Buffer.concat(all.map((array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength)));
 }
 
+function put({ vertexTriangle, edgeEdge }) {
+  process.stdout.write(Buffer.concat([bytesOf(vertexTriangle), bytesOf(edgeEdge)]));
+}
+
 const client = await connect(process.argv[2]);
 const meshes = Object.entries({ lower: MeshMotion.STATIC, upper: MeshMotion.DEFORMABLE });
 const scene = await client.createScene({
@@ -46,8 +50,12 @@ const scene = await client.createScene({
 });
 const stream = await client.stream(scene);
 for (let frame = 0; frame < 5; ++frame) {
-  const { vertexTriangle, edgeEdge } = await stream.detect({ updates: updatesOf(frame) });
-  process.stdout.write(Buffer.concat([bytesOf(vertexTriangle), bytesOf(edgeEdge)]));
+  const updates = updatesOf(frame);
+  if (frame === 2) {
+    const options = { trial: true, advance: true, advanceMode: AdvanceMode.PER_VERTEX, limits: true };
+    put((await stream.detect({ updates, ...options })).limits);
+  }
+  put(await stream.detect({ updates }));
 }
 await stream.finish();
 await client.close();

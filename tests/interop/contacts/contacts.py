@@ -35,7 +35,10 @@ def frames():
             upper = upper[::3] + [0, 0, 3]
         update.positions = upper.tobytes()
         lower = frame_pb2.MeshUpdate(mesh=0, positions=sheet(0, 0, 7, 13).tobytes())
-        yield frame_pb2.Frame(frame_id=frame + 1, updates=[lower, update] if frame == 0 else [update])
+        if frame == 2:
+            yield frame_pb2.Frame(updates=[update], trial=True, advance=True, limits=True,
+                                  advance_mode=frame_pb2.ADVANCE_MODE_PER_VERTEX)
+        yield frame_pb2.Frame(updates=[lower, update] if frame == 0 else [update])
 
 
 def put(chunks, kind):
@@ -57,12 +60,13 @@ def main(address):
     responses = stub.StreamFrames(iter(requests.get, None), timeout=60)
     requests.put(api.StreamFramesRequest(open=api.OpenStream(scene_id=scene.scene_id)))
     next(responses)
-    for frame in frames():
+    for number, frame in enumerate(frames(), 1):
+        frame.frame_id = number
         requests.put(api.StreamFramesRequest(frame=frame))
-        chunks = []
-        while (response := next(responses)).WhichOneof("response") == "contacts":
-            chunks.append(response.contacts)
-        chunks += response.done.contacts
+        wanted, chunks = "limits" if frame.limits else "contacts", []
+        while (kind := (response := next(responses)).WhichOneof("response")) != "done":
+            chunks += [getattr(response, kind)] if kind == wanted else []
+        chunks += getattr(response.done, wanted)
         put(chunks, contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE)
         put(chunks, contact_pb2.CONTACT_KIND_EDGE_EDGE)
     requests.put(None)

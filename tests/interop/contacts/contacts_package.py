@@ -15,6 +15,11 @@ def put(contacts):
         sys.stdout.buffer.write(getattr(contacts, field).tobytes())
 
 
+def put_both(contacts):
+    put(contacts.vt)
+    put(contacts.ee)
+
+
 def main(address, transport):
     cells = np.frombuffer(triangles(), "<u4").reshape(-1, 3)
     meshes = {"lower": collided.Mesh(triangles=cells, motion="static"), "upper": cells}
@@ -24,9 +29,9 @@ def main(address, transport):
             positions = {"upper": upper, "lower": sheet(0, 0, 7, 13)} if frame == 0 else {"upper": upper}
             if frame == 4:  # every third vertex alone, back through the lower sheet
                 positions = {"upper": collided.Sparse(np.arange(0, SIDE * SIDE, 3), upper[::3] + [0, 0, 3])}
-            contacts = session.step(positions)
-            put(contacts.vt)
-            put(contacts.ee)
+            if frame == 2:
+                put_both(session.step(positions, trial=True, advance="per_vertex", limits=True).limits)
+            put_both(session.step(positions))
 
 
 main(*sys.argv[1:])

@@ -37,7 +37,7 @@ class WatcherTest : public testing::Test {
     PendingFrame frame = tip_frame(id, depth);
     scene_->worker().post([&] {
       auto answered = run_frame(*scene_, frame, {});
-      encode_contacts(*scene_, answered, kMaxChunkBytes, [](auto) {});
+      encode_contacts(*scene_, answered, kMaxChunkBytes, kMaxChunkBytes, [](auto, auto) {});
       tell_answered(*scene_, answered, {});
     });
     scene_->worker().flush();

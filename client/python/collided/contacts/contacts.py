@@ -125,10 +125,10 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
     def limits(self) -> Contacts:
         """Contacts that limit the way, in a frame with `limits=True`; else none. A selection of contacts has those of the whole frame.
 
-        The whole way would bring each of these pairs nearer than it may come. They are vertex-triangle and edge-edge, in canonical order,
-        and have every column, whatever the scene's fields are. `distance` is the least that a pair keeps, in the unit of the positions.
-        `toi`, in [0, 1], is the fraction of the whole way at which the pair comes to that distance, and never later than in truth.
-        Weights, normals and points are those of `toi`."""
+        The whole way would bring each of these pairs nearer than it may come, or is not certain to keep it that far apart. They are
+        vertex-triangle and edge-edge, in canonical order, and have every column, whatever the scene's fields are. `distance` is the least
+        that a pair keeps, in the unit of the positions. `toi`, in [0, 1], is the fraction of the whole way at which the pair comes to
+        that distance, and never later than in truth. Weights, normals and points are those of `toi`."""
         return Contacts._of_checked(self.answer, self.answer.limits)
 
     @property

@@ -12,6 +12,7 @@ import collided
 FRAME, STEPS = 1 / 60, 2  # seconds of a frame, and steps in it
 SWEEPS = 8  # over all constraints of a step
 SETTLE = 100  # at most, over contacts alone at a step's end, until no pair comes closer than it was
+AGAIN = 20  # at most, over what limits the way, in a second try
 GRAVITY = np.array([0, 0, -9.8])
 AIR = 0.5  # part of the velocity that is lost in a second
 SIDE, DENSITY, DROP = 1.8, 0.2, 0.12  # of the cloth: m, kg / m^2, m above the sphere
@@ -34,10 +35,10 @@ class Step:
 
 class Simulation:
     """A context manager. cells: along each side of the cloth. advance: what has a fraction of its own. settle: projections of
-    contacts alone. options: of collided.Session, such as `server`."""
+    contacts alone. tries: how often a step is tried and what limits it pushed apart. options: of collided.Session, such as `server`."""
 
-    def __init__(self, cells=40, advance="per_vertex", settle=SETTLE, **options):
-        self.advance, self.settle = advance, settle
+    def __init__(self, cells=40, advance="per_vertex", settle=SETTLE, tries=0, **options):
+        self.advance, self.settle, self.tries = advance, settle, tries
         ground, sphere = shapes.floor(4.0), shapes.sphere(RADIUS, HEIGHT)
         sheet = shapes.sheet(cells, SIDE, HEIGHT + RADIUS + DROP)
         self.meshes = {"floor": collided.Mesh(*ground, motion="static"),
@@ -61,14 +62,21 @@ class Simulation:
         near = self.session.step(mode="dcd")
         x = np.concatenate(list(self.session.positions.values())).astype(float)
         p = self.wanted(x, near, time_step)
-        sphere, cloth = p[self.still - len(self.sphere):self.still], p[self.still:]
-        gone = self.session.step({"sphere": sphere, "cloth": cloth}, advance=self.advance)
+        for _ in range(self.tries):
+            limits = self.go(p, limits=True, trial=True).limits
+            self.push(Repulsion(limits, x, self.inverse_masses, GAP, RECOVERY, FRICTION), p, AGAIN)
+        gone = self.go(p)
         # What was not gone is lost: the cloth is where the daemon has it, and so is its velocity.
         went = self.session.positions["cloth"] - x[self.still:]
         self.velocity = (1 - AIR * time_step) / time_step * went
         # A vertex of the sphere that is held back returns to its place in later steps.
         self.turned += gone.fractions("sphere").max() * TURN * time_step
         return Step(near, gone.advanced, gone.way)
+
+    def go(self, p, **options):
+        """Goes as far towards the positions `p` as is free."""
+        sphere, cloth = p[self.still - len(self.sphere):self.still], p[self.still:]
+        return self.session.step({"sphere": sphere, "cloth": cloth}, advance=self.advance, **options)
 
     def wanted(self, x, near, time_step):
         """Where all vertices would be after the step, if nothing were in the way."""
@@ -81,10 +89,14 @@ class Simulation:
         for _ in range(SWEEPS):
             self.cloth.project(cloth, lambdas, time_step)
             repulsion.push(p)
-        for _ in range(self.settle):
+        self.push(repulsion, p, self.settle)
+        return p
+
+    def push(self, repulsion, p, times):
+        """Pushes in place, so many times at most, until little is left."""
+        for _ in range(times):
             if repulsion.push(p) < RECOVERY / 2:
                 break
-        return p
 
     def turned_sphere(self, angle):
         """The sphere's vertices. It is a deformable mesh, and never meets itself."""

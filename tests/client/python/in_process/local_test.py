@@ -16,26 +16,12 @@ import warnings
 from unittest import mock
 
 from support import DAEMON, FLOOR, ONE, STRICT, TIP, lowered, meshes, turned
+from waves import grid, wave
 
 import numpy as np
 
 import collided
 from collided.in_process import library
-
-SIDE = 16
-
-
-def grid():
-    ids = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
-    upper = np.stack([ids[:-1, :-1], ids[:-1, 1:], ids[1:, :-1]], -1)
-    lower = np.stack([ids[:-1, 1:], ids[1:, 1:], ids[1:, :-1]], -1)
-    return np.concatenate([upper.reshape(-1, 3), lower.reshape(-1, 3)])
-
-
-def wave(phase, height, dtype):
-    x, y = np.meshgrid(np.linspace(0, 1, SIDE), np.linspace(0, 1, SIDE), indexing="ij")
-    z = height + 0.2 * np.sin(7 * x + phase) * np.cos(5 * y)
-    return np.stack([x + 0.1 * np.sin(9 * y + phase), y, z], -1).reshape(-1, 3).astype(dtype)
 
 
 def times(contacts):
@@ -79,7 +65,7 @@ def run(server, options):
         if options == {}:
             for i, mode in enumerate((True, "per_mesh", "per_vertex")):
                 turn = collided.Rigid(turned((1, 2, 2), 0.9 * (i + 1), POSE[:, 3]))
-                out.append(session.step({"cloth": wave(3 + i, 0.4 - 0.2 * i, dtype), "ground": turn}, advance=mode, delta=1e-6))
+                out.append(session.step({"cloth": wave(3 + i, 0.4 - 0.2 * i, dtype), "ground": turn}, advance=mode, limits=True, delta=1e-6))
         return out, session.positions
 
 
@@ -96,6 +82,7 @@ class SameAsADaemon(unittest.TestCase):
                         self.assertEqual(getattr(mine, fact), getattr(theirs, fact), fact)
                     for array in ("ids", "fractions"):
                         self.assertEqual(getattr(mine.shortened, array).tobytes(), getattr(theirs.shortened, array).tobytes())
+                    self.assertEqual(mine.limits.records.tobytes(), theirs.limits.records.tobytes())
                     for count in ("contacts_vertex_triangle", "contacts_edge_edge", "contacts_triangle_triangle"):
                         self.assertEqual(getattr(mine.metrics.counts, count), getattr(theirs.metrics.counts, count))
                 for mesh in wanted:
