@@ -53,6 +53,8 @@ const Setting kSettings[] = {
        c = loosened(c);
        for (MeshSpec& mesh : c.meshes) mesh.points.resize(1);  // others are where it is, by float's spacing
      }},
+    {"ThickMesh", [](SceneSpec&, Case& c) { c.meshes[0].half_thickness = 0.01; }},
+    {"DiscreteThickMesh", [](SceneSpec& spec, Case& c) { spec.mode = Mode::kDcd, c.meshes[1].half_thickness = 0.01; }},
     {"NoSelfContacts", [](SceneSpec&, Case& c) { c.meshes[0].self_contacts = false; }}};
 
 /// Two meshes of triangles so far apart that nothing is found.

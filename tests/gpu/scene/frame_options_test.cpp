@@ -277,6 +277,11 @@ TEST_F(FrameOptions, ThatHaveNoEffectAreTold) {
   EXPECT_EQ(unused_in(crossing), Unused{});
   crossing.kinds = {.triangle_triangle = true};
   EXPECT_EQ(unused_in(crossing), Unused{"thickness"});
+  crossing.thickness = 0;
+  SceneSpec thick = spec_for(c, crossing);
+  thick.meshes[0].half_thickness = 0.1;
+  const Frame frame(c, thick.mode, thick.scalar);
+  EXPECT_EQ(Detector::create(thick)->detect(frame.input()).unused_options, Unused{"meshes[0].half_thickness"});
 
   SceneSpec coarse = settings(Mode::kCcd, Accuracy::kFast);
   coarse.delta = 1e-6;
