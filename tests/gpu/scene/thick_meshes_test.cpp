@@ -101,6 +101,12 @@ TEST_F(ThickMeshes, KeepNoFloorsOfAnAdvance) {
       EXPECT_EQ(other.shortened.ids, near.shortened.ids);
       EXPECT_EQ(other.shortened.fractions, near.shortened.fractions);
       EXPECT_EQ(same_contacts(other, near), scene == Mode::kBoth) << "contacts of a scene of CCD alone are wider";
+      // Contacts are those of the whole way, as in a frame that does not advance.
+      const auto plain = Detector::create(spec_for(thick, spec));
+      plain->detect(first);
+      input.advance = false;
+      input.advance_mode = AdvanceMode::kAllOrOne;
+      EXPECT_TRUE(same_contacts(plain->detect(input), near));
     }
 }
 
