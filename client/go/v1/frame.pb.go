@@ -762,8 +762,9 @@ type FrameDone struct {
 	// they are few, and in DetectFrameResponse. They are the pairs of features that the whole way would bring nearer than they
 	// may come, or that are not certain to stay that far apart. Whatever `fields` says, each has elements, stencils, toi,
 	// distance, weights, normals and flags: `distance` is the least that the pair keeps, and `toi` the fraction of the whole
-	// way at which it comes to that, no later than in truth; weights and normals are those of `toi`. All modes have the same.
-	// Empty unless Frame.limits, and in WatchSceneResponse.
+	// way at which it comes to that, no later than in truth (where meshes turn: of a turn at even speed, as the times of other
+	// contacts); weights and normals are those of `toi`. All modes have the same. Empty unless Frame.limits, and in
+	// WatchSceneResponse.
 	Limits []*ContactChunk `protobuf:"bytes,10,rep,name=limits,proto3" json:"limits,omitempty"`
 }
 
