@@ -62,7 +62,7 @@ TEST(ConvertMeshes, RefusalsOfAHalfThicknessNameValueAndLimit) {
   const auto refusal = [](double half) {
     return refusal_of(request_with([&](pb::SceneSpec& s) { s.mutable_meshes(0)->set_half_thickness(half); }));
   };
-  const std::string rule = "; it must be from 0 to 4.253529586511731e+37";
+  const std::string rule = "; it must be from 0 to 4.2535293329816107e+37";
   EXPECT_EQ(refusal(-1), "spec.meshes[0].half_thickness is -1" + rule);
   EXPECT_EQ(refusal(std::nan("")), "spec.meshes[0].half_thickness is nan" + rule);
   EXPECT_EQ(refusal(INFINITY), "spec.meshes[0].half_thickness is inf" + rule);
