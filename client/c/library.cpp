@@ -1,6 +1,7 @@
 // The functions of collided.h.
 #include <algorithm>
 #include <atomic>
+#include <iterator>
 #include <memory>
 
 #include "client/c/calls.hpp"
@@ -160,11 +161,13 @@ void fill_counts(const FrameCounts& counts, collided_facts& facts) {
   for_each_kind(
       [&](ContactKind kind, uint64_t candidates, uint64_t survivors, uint64_t contacts) {
         const auto k = static_cast<size_t>(kind);
+        if (k >= std::size(facts.contacts)) return;  // it came later, and has a member of its own
         facts.candidates[k] = candidates;
         facts.survivors[k] = survivors;
         facts.contacts[k] = contacts;
       },
       counts.candidates, counts.survivors, counts.contacts);
+  facts.edge_triangle_contacts = counts.contacts.edge_triangle;
 }
 
 collided_facts facts_of(const FrameResult& result) {

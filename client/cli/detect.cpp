@@ -190,7 +190,9 @@ void add_detect(CLI::App& app) {
                   "FRAME0 FRAME1 of one mesh: what touches as it moves from one to the other")
       ->type_name("FILE")
       ->expected(1, 2);
-  command.add_flag("--self", options->has_self_contacts, "Several meshes: also test each against itself");
+  command.add_flag(
+      "--self", options->has_self_contacts,
+      "Several meshes: also test each against itself; neighbours that go through each other are found by the kind et");
   add_detection_options(command, options->detection);
   add_half_thickness_option(command, options->detection);
   add_advance_options(command, options->detection);

@@ -103,7 +103,8 @@ Json estimate_json(const v1::EstimateSceneResponse& estimate) {
           {"contact_bytes",
            {{"vertex_triangle", contact.vertex_triangle()},
             {"edge_edge", contact.edge_edge()},
-            {"triangle_triangle", contact.triangle_triangle()}}},
+            {"triangle_triangle", contact.triangle_triangle()},
+            {"edge_triangle", contact.edge_triangle()}}},
           {"memory_bytes", memory_bytes(estimate)},
           {"first_frame_bytes", estimate.first_frame_bytes()},
           {"frame_bytes", estimate.frame_bytes()},
@@ -127,8 +128,9 @@ SceneCost cost_of(const Workload& workload, const v1::EstimateSceneResponse& est
   cost.step_ms = workload.step_ms;
   const v1::ContactBytes& contact = estimate.contact_bytes();
   if (workload.contacts)
-    cost.bytes_out = static_cast<double>(*workload.contacts) *
-                     std::max({contact.vertex_triangle(), contact.edge_edge(), contact.triangle_triangle()});
+    cost.bytes_out =
+        static_cast<double>(*workload.contacts) * std::max({contact.vertex_triangle(), contact.edge_edge(),
+                                                            contact.triangle_triangle(), contact.edge_triangle()});
   if (!measured) return cost;
   cost.memory_bytes = std::max(cost.memory_bytes, measured->device_bytes);
   if (!workload.contacts) cost.bytes_out = measured->bytes_out;

@@ -116,11 +116,14 @@ void check_ids(v1::ContactKind kind, const Contacts& contacts, uint64_t first, c
     for (const uint32_t vertex : contacts.stencils[i]) check("stencils", vertex, size.vertices, " vertices");
   for (size_t i = first; i < contacts.elements.size(); ++i) {
     const auto [a, b] = contacts.elements[i];
-    const bool is_edges = kind == v1::CONTACT_KIND_EDGE_EDGE, has_vertex = kind == v1::CONTACT_KIND_VERTEX_TRIANGLE;
-    const uint64_t limit = is_edges ? 3 * size.elements : size.elements;
-    const char* const what = is_edges ? " edges at most" : " elements";
-    has_vertex ? check("elements", a, size.vertices, " vertices") : check("elements", a, limit, what);
-    check("elements", b, limit, what);
+    const bool is_edges = kind == v1::CONTACT_KIND_EDGE_EDGE;
+    const auto check_edge = [&](uint32_t id) { check("elements", id, 3 * size.elements, " edges at most"); };
+    const auto check_element = [&](uint32_t id) { check("elements", id, size.elements, " elements"); };
+    if (kind == v1::CONTACT_KIND_VERTEX_TRIANGLE)
+      check("elements", a, size.vertices, " vertices");
+    else
+      is_edges || kind == v1::CONTACT_KIND_EDGE_TRIANGLE ? check_edge(a) : check_element(a);
+    is_edges ? check_edge(b) : check_element(b);
   }
 }
 

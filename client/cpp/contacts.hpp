@@ -19,7 +19,7 @@ struct Contacts {
   std::vector<std::array<uint32_t, 4>> stencils;  ///< their vertices
   std::vector<double> toi;                        ///< fraction of the step, 0 to 1
   std::vector<double> distance;                   ///< in the unit of the positions
-  std::vector<std::array<double, 2>> weights;     ///< of the triangle's second and third corner, or along each edge
+  std::vector<std::array<double, 2>> weights;     ///< of the triangle's second and third corner, or along both edges
   std::vector<std::array<float, 3>> normals;      ///< unit, from the second feature to the first
   std::vector<uint8_t> flags;                     ///< masks of v1::ContactFlag
   std::vector<uint32_t> worlds;                   ///< in a stream of a set: each contact's world, ascending

@@ -13,7 +13,7 @@ import (
 // not computed.
 type Contacts struct {
 	Count int
-	// Elements are the ids of a vertex and an element, or of two edges, or of two triangles; scene-wide.
+	// Elements are the ids of a vertex and an element, of two edges, of two triangles, or of an edge and a triangle; scene-wide.
 	Elements [][2]uint32
 	// Stencils are four vertices; scene-wide.
 	Stencils [][4]uint32
@@ -31,7 +31,7 @@ type Contacts struct {
 
 // ContactSet has contacts of all kinds.
 type ContactSet struct {
-	VertexTriangle, EdgeEdge, TriangleTriangle Contacts
+	VertexTriangle, EdgeEdge, TriangleTriangle, EdgeTriangle Contacts
 }
 
 // The fields of an answer that have contacts, as errors name them.
@@ -49,6 +49,8 @@ func (s *ContactSet) of(kind v1.ContactKind) *Contacts {
 		return &s.EdgeEdge
 	case TriangleTriangle:
 		return &s.TriangleTriangle
+	case EdgeTriangle:
+		return &s.EdgeTriangle
 	}
 	return nil
 }
@@ -70,7 +72,7 @@ func (s *ContactSet) add(field string, chunks ...*v1.ContactChunk) error {
 // addLimits appends chunks of contacts that limit a way, which have every array. DataLoss for a kind that limits none.
 func (s *ContactSet) addLimits(chunks ...*v1.ContactChunk) error {
 	for _, chunk := range chunks {
-		if chunk.Kind == TriangleTriangle {
+		if chunk.Kind == TriangleTriangle || chunk.Kind == EdgeTriangle {
 			return failf(codes.DataLoss, "", "limits.kind is %v; only a vertex and a triangle, or two edges, limit a way", chunk.Kind)
 		}
 		if err := s.add(fieldLimits, chunk); err != nil {

@@ -60,6 +60,7 @@ const (
 	VertexTriangle   = v1.ContactKind_CONTACT_KIND_VERTEX_TRIANGLE
 	EdgeEdge         = v1.ContactKind_CONTACT_KIND_EDGE_EDGE
 	TriangleTriangle = v1.ContactKind_CONTACT_KIND_TRIANGLE_TRIANGLE
+	EdgeTriangle     = v1.ContactKind_CONTACT_KIND_EDGE_TRIANGLE
 )
 
 // Values of SceneSpec.Fields.
@@ -80,6 +81,7 @@ const (
 	IsCapped     = byte(v1.ContactFlag_CONTACT_FLAG_CAPPED)
 	IsInitial    = byte(v1.ContactFlag_CONTACT_FLAG_INITIAL)
 	IsSeparating = byte(v1.ContactFlag_CONTACT_FLAG_SEPARATING)
+	IsTouching   = byte(v1.ContactFlag_CONTACT_FLAG_TOUCHING)
 )
 
 // Values of StreamOptions.Delivery.

@@ -162,6 +162,7 @@ func (s *ContactSet) checkIDs(field string, size sceneSize) error {
 		{&s.VertexTriangle, size.vertices, size.elements},
 		{&s.EdgeEdge, 3 * size.elements, 3 * size.elements}, // edges at most
 		{&s.TriangleTriangle, size.elements, size.elements},
+		{&s.EdgeTriangle, 3 * size.elements, size.elements},
 	} {
 		for _, stencil := range each.contacts.Stencils {
 			for _, vertex := range stencil {
@@ -182,7 +183,7 @@ func (s *ContactSet) checkIDs(field string, size sceneSize) error {
 
 // checkTotal checks that as many contacts came as the daemon says that it sent.
 func (o *Output) checkTotal() error {
-	came := uint64(o.VertexTriangle.Count + o.EdgeEdge.Count + o.TriangleTriangle.Count)
+	came := uint64(o.VertexTriangle.Count + o.EdgeEdge.Count + o.TriangleTriangle.Count + o.EdgeTriangle.Count)
 	if o.Done.ContactCount != came {
 		return failf(codes.DataLoss, "", "done.contact_count is %d, and %d contacts came", o.Done.ContactCount, came)
 	}

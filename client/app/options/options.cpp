@@ -28,7 +28,8 @@ const Words<v1::PositionFormat> kFormats{
     {"f32", v1::POSITION_FORMAT_F32}, {"f64", v1::POSITION_FORMAT_F64}, {"q16", v1::POSITION_FORMAT_Q16}};
 const Words<v1::ContactKind> kKinds{{"vt", v1::CONTACT_KIND_VERTEX_TRIANGLE},
                                     {"ee", v1::CONTACT_KIND_EDGE_EDGE},
-                                    {"tt", v1::CONTACT_KIND_TRIANGLE_TRIANGLE}};
+                                    {"tt", v1::CONTACT_KIND_TRIANGLE_TRIANGLE},
+                                    {"et", v1::CONTACT_KIND_EDGE_TRIANGLE}};
 
 const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPECIFIED},
                                            {"octree", v1::BROAD_PHASE_ENGINE_OCTREE},
@@ -152,7 +153,8 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
       ->capture_default_str();
   command
       .add_option("--kinds", options.kinds,
-                  "Vertex-triangle, edge-edge, triangle-triangle (dcd, or candidates), such as vt,tt")
+                  "Vertex-triangle, edge-edge, triangle-triangle (dcd, or candidates), edge-triangle (edges that go "
+                  "through triangles, dcd), such as vt,tt")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(one_of(kKinds))
@@ -216,6 +218,8 @@ void check_usage(const DetectionOptions& options) {
     throw UsageError("--report any needs --accuracy fast, guarded, certified or exact");
   if (wants(options, "tt") && !dcd && accuracy != v1::ACCURACY_CANDIDATES)
     throw UsageError("--kinds tt needs --mode dcd or --accuracy candidates");
+  if (wants(options, "et") && (!dcd || accuracy == v1::ACCURACY_CANDIDATES))
+    throw UsageError("--kinds et needs --mode dcd and --accuracy fast, guarded, certified or exact");
   const bool by_distance = wants(options, "vt") || wants(options, "ee");
   const bool may_advance = !dcd && accuracy >= v1::ACCURACY_CERTIFIED && wants(options, "vt") && wants(options, "ee");
   if (options.advance && !may_advance)

@@ -13,9 +13,12 @@ namespace collided::cli {
 void check_points(const DetectionOptions& detection, const char* option, const std::string& file) {
   if (file.empty()) return;
   if (is_standard_output(file)) throw UsageError(std::string(option) + " is a file here; standard output (-) is none");
-  if (detection.accuracy == "candidates" || std::count(detection.kinds.begin(), detection.kinds.end(), "tt") > 0)
+  const auto has = [&](const char* kind) {
+    return std::count(detection.kinds.begin(), detection.kinds.end(), kind) > 0;
+  };
+  if (detection.accuracy == "candidates" || has("tt") || has("et"))
     throw UsageError(std::string(option) +
-                     " needs contact points, which --accuracy candidates and --kinds tt do not have");
+                     " needs contact points, which --accuracy candidates and --kinds tt and et do not have");
 }
 
 void check_files(const DetectionOptions& detection, const ContactFileNames& names) {

@@ -9,11 +9,10 @@ namespace collided::cli {
 
 namespace {
 
-constexpr std::pair<v1::ContactFlag, std::string_view> kFlagWords[] = {{v1::CONTACT_FLAG_CERTIFIED, "certified"},
-                                                                       {v1::CONTACT_FLAG_NEAR, "near"},
-                                                                       {v1::CONTACT_FLAG_CAPPED, "capped"},
-                                                                       {v1::CONTACT_FLAG_INITIAL, "initial"},
-                                                                       {v1::CONTACT_FLAG_SEPARATING, "separating"}};
+constexpr std::pair<v1::ContactFlag, std::string_view> kFlagWords[] = {
+    {v1::CONTACT_FLAG_CERTIFIED, "certified"},   {v1::CONTACT_FLAG_NEAR, "near"},
+    {v1::CONTACT_FLAG_CAPPED, "capped"},         {v1::CONTACT_FLAG_INITIAL, "initial"},
+    {v1::CONTACT_FLAG_SEPARATING, "separating"}, {v1::CONTACT_FLAG_TOUCHING, "touching"}};
 
 Json contact_json(const std::string& kind, const client::Contacts& contacts, size_t i) {
   Json out = {{"kind", kind}};

@@ -2,6 +2,8 @@
 
 #include "client/app/report/frame_line.hpp"
 
+#include <algorithm>
+
 #include "client/app/report/numbers.hpp"
 
 namespace collided::cli {
@@ -12,6 +14,10 @@ bool is_counted(const v1::SceneSpec& spec) { return spec.report() != v1::REPORT_
 
 bool has_candidates(const v1::FrameDone& done, const v1::SceneSpec& spec) {
   return done.contact_count() > 0 ? !done.any_contact() : spec.accuracy() == v1::ACCURACY_CANDIDATES;
+}
+
+bool has_crossings(const v1::SceneSpec& spec) {
+  return std::ranges::count(spec.kinds(), int{v1::CONTACT_KIND_EDGE_TRIANGLE}) > 0;
 }
 
 bool has_shortened(const client::FrameOutput& output) { return output.advance.mode != v1::ADVANCE_MODE_ALL_OR_ONE; }
@@ -31,10 +37,11 @@ bool has_times(const v1::FrameDone& done, const v1::SceneSpec& spec) {
 client::PerKind<uint64_t> found_counts(const v1::FrameDone& done, const v1::SceneSpec& spec) {
   const v1::FrameCounts& counts = done.metrics().counts();
   if (!has_candidates(done, spec))
-    return {counts.contacts_vertex_triangle(), counts.contacts_edge_edge(), counts.contacts_triangle_triangle()};
+    return {counts.contacts_vertex_triangle(), counts.contacts_edge_edge(), counts.contacts_triangle_triangle(),
+            counts.contacts_edge_triangle()};
   const uint64_t vertex_triangle = counts.candidates_vertex_triangle(), edge_edge = counts.candidates_edge_edge();
-  // Those of triangles have no count of their own.
-  return {vertex_triangle, edge_edge, done.contact_count() - vertex_triangle - edge_edge};
+  // Those of triangles have no count of their own; crossings have no candidates.
+  return {vertex_triangle, edge_edge, done.contact_count() - vertex_triangle - edge_edge, 0};
 }
 
 std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec) {
@@ -44,7 +51,8 @@ std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec) {
   const client::PerKind<uint64_t> found = found_counts(done, spec);
   return std::to_string(done.contact_count()) + (has_candidates(done, spec) ? " candidates (" : " contacts (") +
          std::to_string(found.vertex_triangle) + " vt, " + std::to_string(found.edge_edge) + " ee, " +
-         std::to_string(found.triangle_triangle) + " tt)" +
+         std::to_string(found.triangle_triangle) + " tt" +
+         (has_crossings(spec) ? ", " + std::to_string(found.edge_triangle) + " et)" : ")") +
          (has_times(done, spec) ? ", earliest " + format_double("%.6g", done.earliest_toi()) : "") + time;
 }
 

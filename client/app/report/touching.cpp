@@ -35,6 +35,22 @@ struct Ends {
   }
 };
 
+/// The first edge behind each mesh. Two elements of a mesh may share an edge, which counts once.
+std::vector<uint64_t> edge_ends(std::span<const client::MeshInput> meshes) {
+  std::vector<uint64_t> ends;
+  uint64_t end = 0;
+  std::vector<std::pair<uint32_t, uint32_t>> edges;
+  for (const client::MeshInput& mesh : meshes) {
+    edges.clear();
+    for (const auto& t : mesh.triangles)
+      for (size_t k = 0; k < 3; ++k) edges.emplace_back(std::minmax(t[k], t[(k + 1) % 3]));
+    for (const auto& e : mesh.edges) edges.emplace_back(std::minmax(e[0], e[1]));
+    std::ranges::sort(edges);
+    ends.push_back(end += static_cast<uint64_t>(std::unique(edges.begin(), edges.end()) - edges.begin()));
+  }
+  return ends;
+}
+
 /// Contacts of each kind between two meshes.
 std::map<Pair, client::PerKind<uint64_t>> count_pairs(const Touching& touching) {
   std::map<Pair, client::PerKind<uint64_t>> pairs;
@@ -48,7 +64,17 @@ std::map<Pair, client::PerKind<uint64_t>> count_pairs(const Touching& touching) 
     add(mesh_of(v[0], ends.vertices), mesh_of(v[2], ends.vertices), &client::PerKind<uint64_t>::edge_edge);
   for (const auto& e : touching.output.triangle_triangle.elements)
     add(mesh_of(e[0], ends.elements), mesh_of(e[1], ends.elements), &client::PerKind<uint64_t>::triangle_triangle);
+  if (touching.output.edge_triangle.elements.empty()) return pairs;
+  const std::vector<uint64_t> edges = edge_ends(touching.meshes);
+  for (const auto& e : touching.output.edge_triangle.elements)
+    add(mesh_of(e[0], edges), mesh_of(e[1], ends.elements), &client::PerKind<uint64_t>::edge_triangle);
   return pairs;
+}
+
+uint64_t sum_of(const client::PerKind<uint64_t>& found) {
+  uint64_t sum = 0;
+  client::for_each_kind([&](v1::ContactKind, uint64_t count) { sum += count; }, found);
+  return sum;
 }
 
 std::string plural(uint64_t count, const std::string& noun) {
@@ -63,7 +89,8 @@ std::string counts_text(const client::PerKind<uint64_t>& found) {
   add(found.vertex_triangle, "vertex-triangle");
   add(found.edge_edge, "edge-edge");
   add(found.triangle_triangle, "triangle-triangle");
-  return plural(found.vertex_triangle + found.edge_edge + found.triangle_triangle, "contact") + " (" + kinds + ")";
+  add(found.edge_triangle, "edge-triangle");
+  return plural(sum_of(found), "contact") + " (" + kinds + ")";
 }
 
 std::string thickness_text(double distance) {
@@ -131,7 +158,7 @@ Json touching_json(const Touching& touching) {
   Json out = Json::array();
   for (const auto& [pair, found] : count_pairs(touching))
     out.push_back({{"meshes", {touching.meshes[pair.first].name, touching.meshes[pair.second].name}},
-                   {"contact_count", found.vertex_triangle + found.edge_edge + found.triangle_triangle}});
+                   {"contact_count", sum_of(found)}});
   return out;
 }
 

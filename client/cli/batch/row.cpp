@@ -42,6 +42,7 @@ std::vector<std::string> found_cells(const v1::SceneSpec& spec, const client::Fr
           count(found.vertex_triangle),
           count(found.edge_edge),
           count(found.triangle_triangle),
+          count(found.edge_triangle),
           done.any_contact() ? "yes" : "no",
           has_times(done, spec) ? text_of(done.earliest_toi()) : "",
           is_counted ? digest_of(output) : ""};
@@ -56,8 +57,8 @@ size_t row_bytes(const Record& record) {
 }  // namespace
 
 const char* const kRowHeader =
-    "pair,frame0,frame1,status,vertices,triangles,contacts,vertex_triangle,edge_edge,triangle_triangle,any_contact,"
-    "earliest_toi,contacts_digest,error\n";
+    "pair,frame0,frame1,status,vertices,triangles,contacts,vertex_triangle,edge_edge,triangle_triangle,edge_triangle,"
+    "any_contact,earliest_toi,contacts_digest,error\n";
 
 std::string row_of(uint64_t pair, const FrameNames& names, const v1::Scene& scene, const client::FrameOutput& output) {
   std::vector<std::string> cells = first_cells(pair, names, "done");
@@ -69,7 +70,7 @@ std::string row_of(uint64_t pair, const FrameNames& names, const v1::Scene& scen
 }
 
 std::string failed_row(uint64_t pair, const FrameNames& names, const std::string& why) {
-  constexpr size_t kCellsBefore = 13;  // the error's
+  constexpr size_t kCellsBefore = 14;  // the error's
   std::vector<std::string> cells = first_cells(pair, names, "failed");
   cells.resize(kCellsBefore);
   cells.push_back(csv_cell(why));

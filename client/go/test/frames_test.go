@@ -28,6 +28,33 @@ func TestAContactIsWhereItWasBuiltIn(t *testing.T) {
 	same(t, output.Done.ContactCount, 1)
 }
 
+// Two triangles with the corner 0, of which the second one goes through the first.
+func TestAnEdgeGoesThroughANeighbour(t *testing.T) {
+	ctx, client := connected(t)
+	folded := collided.F64{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {2, 1, -1}, {2, 1.5, 2}}
+	meshes := []collided.Mesh{{Name: "folded", VertexCount: 5, Triangles: [][3]uint32{{0, 1, 2}, {0, 3, 4}}}}
+	spec := &collided.SceneSpec{Mode: collided.DCD, Accuracy: collided.Exact, PositionFormat: collided.FormatF64,
+		Kinds:  []v1.ContactKind{collided.VertexTriangle, collided.EdgeEdge, collided.TriangleTriangle, collided.EdgeTriangle},
+		Fields: []v1.ContactField{collided.FieldElements, collided.FieldWeights, collided.FieldFlags}}
+	frame := collided.Frame{ID: 1, Updates: []collided.Update{{Mesh: 0, Positions: folded}}}
+	output, err := client.Detect(ctx, create(ctx, t, client, spec, meshes), frame)
+	must(t, err)
+	crossings := output.EdgeTriangle
+	same(t, [2]int{crossings.Count, len(crossings.Flags)}, [2]int{1, 1})
+	same(t, crossings.Elements[0], [2]uint32{5, 0})
+	if w := crossings.Weights[0]; math.Abs(w[0]-0.5) > 1e-12 || math.Abs(w[1]-7.0/24) > 1e-12 {
+		t.Fatal(w)
+	}
+	same(t, crossings.Flags[0], collided.IsCertified)
+	same(t, output.Done.ContactCount, 1)
+	spec.Mode = collided.CCD
+	_, err = client.CreateScene(ctx, spec, meshes, 0)
+	refused(t, err, codes.InvalidArgument, "spec.kinds[2]", "TRIANGLE_TRIANGLE")
+	spec.Kinds = spec.Kinds[3:]
+	_, err = client.CreateScene(ctx, spec, meshes, 0)
+	refused(t, err, codes.InvalidArgument, "spec.kinds[0]", "EDGE_TRIANGLE")
+}
+
 func TestIDsHaveAllTheirBits(t *testing.T) {
 	ctx, client := connected(t)
 	scene := fallScene(ctx, t, client)

@@ -22,7 +22,8 @@ class Kind:
 VERTEX_TRIANGLE = Kind(contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE, "vertex_triangle", "vt")
 EDGE_EDGE = Kind(contact_pb2.CONTACT_KIND_EDGE_EDGE, "edge_edge", "ee")
 TRIANGLE_TRIANGLE = Kind(contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, "triangle_triangle", "tt")
-KINDS = {kind.number: kind for kind in (VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE)}
+EDGE_TRIANGLE = Kind(contact_pb2.CONTACT_KIND_EDGE_TRIANGLE, "edge_triangle", "et")
+KINDS = {kind.number: kind for kind in (VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE, EDGE_TRIANGLE)}
 
 
 class HasKinds(Generic[Found]):
@@ -45,3 +46,8 @@ class HasKinds(Generic[Found]):
     def tt(self) -> Found:
         """Those of two triangles."""
         return self._of_kind(TRIANGLE_TRIANGLE)
+
+    @property
+    def et(self) -> Found:
+        """Those of an edge that goes through a triangle."""
+        return self._of_kind(EDGE_TRIANGLE)

@@ -11,7 +11,7 @@ import numpy as np
 
 from collided.arrays import is_whole
 from collided.choices import check_text
-from collided.errors import InvalidArgument
+from collided.errors import FailedPrecondition, InvalidArgument
 from collided.meshes import Mesh, as_mesh
 from collided.v1 import scene_pb2
 
@@ -105,6 +105,24 @@ class Layout:
     def element_offsets(self) -> np.ndarray:
         """First scene-wide element (triangle, loose edge or loose point) of each mesh, and the number of all."""
         return _sums(self.element_counts or [0 if mesh is None else mesh.element_count for mesh in self.meshes])
+
+    @cached_property
+    def edge_offsets(self) -> np.ndarray:
+        """First scene-wide edge of each mesh, and the number of all. Raises FailedPrecondition where elements are not known."""
+        self._check_elements()
+        return _sums([0 if mesh is None else mesh.edge_count for mesh in self.meshes])
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """int64[n][3]: the scene-wide vertices of every element, a b b of a loose edge, a a a of a loose point. Raises
+        FailedPrecondition where elements are not known."""
+        self._check_elements()
+        rows = [mesh.corners + self.vertex_offsets[i] for i, mesh in self.present()]
+        return np.concatenate([np.empty((0, 3), np.int64), *rows])
+
+    def _check_elements(self) -> None:
+        if self.element_counts is not None:
+            raise FailedPrecondition("the meshes' elements are not known here, so neither are their edges")
 
     def pair(self, pair: Any) -> tuple[int, int]:
         """Two meshes, in order."""

@@ -32,7 +32,7 @@ class SceneOptions:
     quantization_box: the Box of "q16".
     thickness, delta, min_separation, rest_distance: lengths >= 0. To `thickness` meshes add their own `half_thickness`; a
         `rest_distance` of 0 is each mesh's own contact distance.
-    kinds: of "vt", "ee" and "tt"; empty: the first two.
+    kinds: of "vt", "ee", "tt" and "et" (edges that go through triangles, in frames of DCD); empty: the first two.
     fields: of FIELDS; those that are left out are neither computed nor sent.
     report: "all", "earliest_only" or "any_hit".
     backend: "auto", "cpu" or "cuda".

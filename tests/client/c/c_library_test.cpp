@@ -27,6 +27,7 @@ void expect_same(const Number* numbers, const Column<T>& column, Judge& judge) {
 void compare(const PerKind<ContactSet>& expected, int32_t kind, const collided_contacts* contacts, Judge& judge) {
   const ContactSet& set = kind == COLLIDED_VERTEX_TRIANGLE ? expected.vertex_triangle
                           : kind == COLLIDED_EDGE_EDGE     ? expected.edge_edge
+                          : kind == COLLIDED_EDGE_TRIANGLE ? expected.edge_triangle
                                                            : expected.triangle_triangle;
   ASSERT_EQ(contacts->count, set.size());
   judge.contacts += contacts->count;
@@ -36,7 +37,7 @@ void compare(const PerKind<ContactSet>& expected, int32_t kind, const collided_c
   expect_same(contacts->weights, set.weights, judge);
   expect_same(contacts->normals, set.normals, judge);
   expect_same(contacts->flags, set.flags, judge);
-  ASSERT_EQ(contacts->stencils == nullptr, contacts->count == 0 || kind == COLLIDED_TRIANGLE_TRIANGLE);
+  ASSERT_EQ(contacts->stencils == nullptr, contacts->count == 0 || kind >= COLLIDED_TRIANGLE_TRIANGLE);
   for (uint64_t i = 0; contacts->stencils != nullptr && i < contacts->count; ++i) {
     const uint32_t *s = contacts->stencils + 4 * i, *e = contacts->elements + 2 * i;
     if (kind == COLLIDED_VERTEX_TRIANGLE) {
@@ -75,8 +76,8 @@ INSTANTIATE_TEST_SUITE_P(CLibrary, SameAsEngine,
                                          CaseOfFrames{.accuracy = COLLIDED_EXACT, .format = COLLIDED_F64},
                                          CaseOfFrames{.format = COLLIDED_F64, .is_rigid = true},
                                          CaseOfFrames{.mode = COLLIDED_DCD, .thickness = 0.03},
-                                         CaseOfFrames{.mode = COLLIDED_DCD,
-                                                      .kinds = COLLIDED_KINDS_TRIANGLE_TRIANGLE}));
+                                         CaseOfFrames{.mode = COLLIDED_DCD, .kinds = COLLIDED_KINDS_TRIANGLE_TRIANGLE},
+                                         CaseOfFrames{.mode = COLLIDED_DCD, .kinds = COLLIDED_KINDS_EDGE_TRIANGLE}));
 
 class CLibrary : public testing::Test {
  protected:
@@ -109,7 +110,8 @@ TEST_F(CLibrary, StructuresKeepTheirLayout) {
   EXPECT_EQ(offsetof(collided_frame, advance_mode), 104u);
   EXPECT_EQ(offsetof(collided_frame, limits), 108u);
   EXPECT_EQ(sizeof(collided_contacts), 72u);
-  EXPECT_EQ(sizeof(collided_facts), 232u);
+  EXPECT_EQ(sizeof(collided_facts), 240u);
+  EXPECT_EQ(offsetof(collided_facts, edge_triangle_contacts), 232u);
   EXPECT_EQ(offsetof(collided_facts, contacts), 176u);
   EXPECT_EQ(offsetof(collided_facts, way), 200u);
   EXPECT_EQ(sizeof(collided_topology), 72u);
@@ -208,7 +210,7 @@ TEST_F(CLibrary, LimitsAreTheEnginesWithAllColumns) {
   FrameInput input = scene.engine_frame(1);
   input.advance = input.limits = true;
   const FrameResult expected = engine->detect(input);
-  for (int32_t kind = COLLIDED_VERTEX_TRIANGLE; kind <= COLLIDED_TRIANGLE_TRIANGLE; ++kind) {
+  for (int32_t kind = COLLIDED_VERTEX_TRIANGLE; kind <= COLLIDED_EDGE_TRIANGLE; ++kind) {
     collided_contacts limits = {};
     limits.struct_size = sizeof(limits);
     ASSERT_EQ(collided_result_limits(result, kind, &limits), COLLIDED_OK) << collided_error_message();
@@ -220,10 +222,35 @@ TEST_F(CLibrary, LimitsAreTheEnginesWithAllColumns) {
   EXPECT_EQ(judge.columns, 12u) << "six of vertex-triangle and six of edge-edge pairs";
   collided_contacts limits = {};
   limits.struct_size = sizeof(limits);
-  EXPECT_EQ(collided_result_limits(result, 4, &limits), COLLIDED_INVALID_ARGUMENT);
+  EXPECT_EQ(collided_result_limits(result, 5, &limits), COLLIDED_INVALID_ARGUMENT);
   EXPECT_STREQ(collided_error_field(), "kind");
   collided_result_free(first);
   collided_result_free(result);
+}
+
+TEST(CLibraryCrossings, AreCountedBesideTheOtherKinds) {
+  const Scene scene({.mode = COLLIDED_DCD, .kinds = COLLIDED_KINDS_VERTEX_TRIANGLE | COLLIDED_KINDS_EDGE_TRIANGLE});
+  const auto engine = Detector::create(scene.engine());
+  collided_scene* made = nullptr;
+  ASSERT_EQ(collided_scene_create(&scene.spec, &made), COLLIDED_OK) << collided_error_message();
+  uint64_t crossings = 0;
+  for (size_t i = 0; i < Scene::kFrames; ++i) {
+    const FrameResult expected = engine->detect(scene.engine_frame(i));
+    collided_result* result = nullptr;
+    ASSERT_EQ(collided_detect(made, &scene.frames[i], &result), COLLIDED_OK) << collided_error_message();
+    collided_facts facts = {};
+    facts.struct_size = sizeof(facts);
+    ASSERT_EQ(collided_result_facts(result, &facts), COLLIDED_OK);
+    EXPECT_EQ(facts.edge_triangle_contacts, expected.edge_triangle.size());
+    EXPECT_EQ(facts.candidates[0], expected.counts.candidates.vertex_triangle);
+    EXPECT_EQ(facts.survivors[0], expected.counts.survivors.vertex_triangle);
+    EXPECT_EQ(facts.contacts[0], expected.vertex_triangle.size());
+    EXPECT_EQ(facts.contact_count, facts.contacts[0] + facts.edge_triangle_contacts);
+    crossings += facts.edge_triangle_contacts;
+    collided_result_free(result);
+  }
+  EXPECT_GT(crossings, 0u);
+  collided_scene_free(made);
 }
 
 // A program that was compiled before there were modes.

@@ -104,7 +104,10 @@ class Scene {
     out.accuracy = kAccuracies[of_.accuracy - 1];
     out.scalar = of_.format == COLLIDED_F64 ? Scalar::kF64 : Scalar::kF32;
     out.thickness = of_.thickness;
-    if (of_.kinds == COLLIDED_KINDS_TRIANGLE_TRIANGLE) out.kinds = {false, false, true};
+    const auto has = [&](uint32_t kind) { return (of_.kinds & kind) != 0; };
+    if (of_.kinds != 0)
+      out.kinds = {has(COLLIDED_KINDS_VERTEX_TRIANGLE), has(COLLIDED_KINDS_EDGE_EDGE),
+                   has(COLLIDED_KINDS_TRIANGLE_TRIANGLE), has(COLLIDED_KINDS_EDGE_TRIANGLE)};
     if (of_.kinds != COLLIDED_KINDS_TRIANGLE_TRIANGLE)
       out.fields = {ContactField::kElements, ContactField::kToi,     ContactField::kDistance,
                     ContactField::kWeights,  ContactField::kNormals, ContactField::kFlags};

@@ -351,6 +351,21 @@ class Detect(support.CollidectlTest):
         self.assertEqual([row[name] for name in ("kind", "element_a", "element_b", "v0", "toi")],
                          ["tt", "0", "1", "", ""])
 
+    def test_edges_that_go_through_neighbours(self):
+        mesh = self.put("folded.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 2 1 -1\nv 2 1.5 2\nf 1 2 3\nf 1 4 5\n")
+        out = os.path.join(self.folder.name, "c.csv")
+        words = ["detect", mesh, *ONE_CPU, "--out", out]
+        alone = json.loads(self.ok(*words, "--kinds", "et", "--json"))
+        self.assertEqual((alone["scene"]["kinds"], alone["counts"]["contacts_edge_triangle"]), (["et"], 1))
+        self.assertEqual(alone["touching"], [{"meshes": [alone["touching"][0]["meshes"][0]] * 2, "contact_count": 1}])
+        (row,) = self.rows(out)
+        self.assertEqual([row[name] for name in ("kind", "element_a", "element_b", "v0", "flags")],
+                         ["et", "5", "0", "", "certified"])
+        self.assertAlmostEqual(float(row["w0"]), 0.5)
+        self.assertAlmostEqual(float(row["w1"]), 7 / 24)
+        self.assertIn("1 contact (1 edge-triangle)", self.ok(*words, "--kinds", "vt,ee,tt,et"))
+        self.refused(2, "--vtp needs contact points", *words, "--kinds", "et", "--vtp", os.path.join(self.folder.name, "c.vtp"))
+
     def test_candidates_leave_uncomputed_fields_empty(self):
         out = os.path.join(self.folder.name, "c.csv")
         self.ok("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "candidates", "--out", out)

@@ -50,6 +50,8 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--report earliest needs", *ccd, "--report", "earliest", "--accuracy", "fast")
         self.refused(2, "--report any needs", *stream, "--report", "any", "--accuracy", "candidates")
         self.refused(2, "--kinds tt needs", *stream, "--kinds", "vt,tt")
+        for words in (ccd, [*ccd, "--accuracy", "candidates"], [*dcd, "--accuracy", "candidates"]):
+            self.refused(2, "--kinds et needs --mode dcd and --accuracy fast", *words, "--kinds", "vt,et")
         self.refused(2, "--thickness greater than 0", *dcd, "--accuracy", "fast")
         for words in (dcd, [*ccd, "--accuracy", "fast"], [*stream, "--kinds", "vt"]):
             self.refused(2, "--advance needs --mode ccd, --accuracy certified or exact", *words, "--advance")

@@ -2,6 +2,7 @@
 """Contacts as one structured view, against collidectl's and the conventions' words."""
 
 import csv
+import dataclasses
 import os
 import subprocess
 import sys
@@ -12,12 +13,18 @@ from support import COLLIDECTL, DAEMON, FLOOR, ONE, TIP, Case, assert_same, lowe
 
 import collided
 from collided import Flag
+from collided.contacts.checks import check_limits, check_part
+from collided.contacts.columns import Part
+from collided.layout import Layout
+from collided.v1 import contact_pb2
 
 # CONVENTIONS.md, "A worked example".
 SQUARE = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], float)
 SLOPE = np.array([[3.5, 3, 3], [4.5, 3, -1], [4.5, 3.5, 3]])
 TALL = np.array([[2, 1, 1], [2, 1, 4], [3, 1, 4]], float)
 FALL = np.array([0, 0, -2])
+# Two triangles with the corner 0, of which the second one goes through the first.
+FOLDED = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [2, 1, -1], [2, 1.5, 2]])
 WORKED = {"square": collided.Mesh(SQUARE, [[0, 1, 2], [0, 2, 3]], motion="static"), "tip": (TALL, ONE), "slope": (SLOPE, ONE)}
 
 
@@ -98,6 +105,46 @@ class View(Case):
         self.assertEqual(contacts.tt.stencils.tolist(), [[2**32 - 1] * 4])
         self.assertEqual(contacts.tt.local_stencils.tolist(), [[2**32 - 1] * 4])
 
+    def test_an_edge_goes_through_a_neighbour(self):
+        folded = collided.Mesh(FOLDED, [[0, 1, 2], [0, 3, 4]])
+        contacts = self.session(folded, mode="dcd", accuracy="exact", kinds=["vt", "ee", "tt", "et"]).step()
+        self.assertEqual(repr(contacts), "<Contacts of frame 1: 1 edge-triangle>")
+        self.assertEqual((contacts.kinds.tolist(), contacts.et.elements.tolist()), ([4], [[5, 0]]))
+        np.testing.assert_allclose(contacts.weights, [[1 / 2, 7 / 24]], atol=1e-12)
+        for point in contacts.points:
+            np.testing.assert_allclose(point, [[2, 7 / 6, 0]], atol=1e-12)
+        self.assertEqual(contacts.flags.tolist(), [Flag.CERTIFIED])
+        self.assertTrue(contacts.any_contact)
+        self.assertEqual(contacts.metrics.counts.contacts_edge_triangle, 1)
+        for column in ("stencils", "toi", "distance", "normals"):
+            self.assertFalse(contacts.has_column(column), column)
+        apart = self.session(dataclasses.replace(folded, exclude_rings=1), mode="dcd", accuracy="exact", kinds=["et"]).step()
+        self.assertEqual((len(apart), apart.any_contact), (0, False))
+
+    def test_crossings_of_two_meshes_beside_other_kinds(self):
+        pierced = lowered(1.25)
+        for tip_comes_first in (False, True):
+            made = dict(sorted(meshes().items(), reverse=tip_comes_first))
+            contacts = self.session(made, mode="dcd", thickness=0.5, kinds=["vt", "et"]).step({"tip": pierced})
+            self.assertEqual(contacts.et.between("tip", "floor").elements.tolist(), contacts.et.elements.tolist())
+            self.assertGreater(len(contacts.et), 0)
+            self.assertGreater(len(contacts.vt), 0)
+            tip, floor = list(made).index("tip"), list(made).index("floor")
+            self.assertEqual({tuple(pair) for pair in contacts.et.meshes.tolist()}, {(tip, floor)})
+            first, second = contacts.points
+            self.assertTrue((first[contacts.kinds == 4] == second[contacts.kinds == 4]).all())
+            np.testing.assert_allclose(second[contacts.kinds == 4][:, 2], FLOOR[0][2], atol=1e-6)
+            self.assertTrue(np.isfinite(first).all())
+
+    def test_where_there_are_no_crossings_they_are_refused(self):
+        box = collided.Box((-9, -9, -9), (9, 9, 9))
+        for options in ({"mode": "ccd"}, {"mode": "dcd", "accuracy": "candidates"},
+                        {"mode": "dcd", "thickness": 0.1, "position_format": "q16", "quantization_box": box}):
+            with self.subTest(options):
+                error = self.refused(collided.InvalidArgument, "CONTACT_KIND_EDGE_TRIANGLE",
+                                     self.session, kinds=["vt", "ee", "et"], **options)
+                self.assertEqual(error.field, "spec.kinds[2]")
+
     def test_loose_elements_are_told_by_their_stencils(self):
         strand = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]], float)
         drops = np.array([[[0.25, 0, 1], [5, 0, 0], [5.5, 0, 0]], [[0.25, 0, -1], [6, 0, 0], [4.5, 0, 0]]], float)
@@ -107,6 +154,22 @@ class View(Case):
         self.assertEqual(contacts.elements.tolist(), [[3, 0], [4, 4]])
         self.assertEqual(contacts.meshes.tolist(), [[1, 0], [1, 1]])
         self.assertEqual(contacts.stencils[:, 2:].tolist(), [[1, 1], [5, 5]])
+
+
+class WithoutADaemon(Case):
+    def test_ids_of_crossings_are_checked(self):
+        layout = Layout.of({"folded": collided.Mesh(FOLDED, [[0, 1, 2], [0, 3, 4]])})
+        for pair, problem in (((5, 2), "names 2; the scene has 2 elements"), ((6, 0), "names 6; the scene has 6 edges at most")):
+            part = Part(contact_pb2.CONTACT_KIND_EDGE_TRIANGLE, 1, {"elements": np.array([pair], "<u4")})
+            self.refused(collided.DataLoss, problem, check_part, part, layout)
+        chunk = contact_pb2.ContactChunk(kind=contact_pb2.CONTACT_KIND_EDGE_TRIANGLE, count=1)
+        self.refused(collided.DataLoss, "limits.kind is EDGE_TRIANGLE", check_limits, [chunk], True)
+
+    def test_edges_are_numbered_as_the_conventions_say(self):
+        hair = collided.Mesh(np.eye(3), edges=[[1, 0], [1, 2], [0, 1]], points=[2])
+        layout = Layout.of({"folded": collided.Mesh(FOLDED, [[0, 1, 2], [0, 3, 4]]), "hair": hair})
+        self.assertEqual(layout.edge_offsets.tolist(), [0, 6, 8])
+        self.assertEqual(layout.corners[2:].tolist(), [[6, 5, 5], [6, 7, 7], [5, 6, 6], [7, 7, 7]])
 
 
 class OneQuestion(Case):

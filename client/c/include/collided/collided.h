@@ -150,9 +150,19 @@ enum {
 };
 
 /* Kinds of contacts. */
-enum { COLLIDED_VERTEX_TRIANGLE = 1, COLLIDED_EDGE_EDGE = 2, COLLIDED_TRIANGLE_TRIANGLE = 3 };
+enum {
+  COLLIDED_VERTEX_TRIANGLE = 1,
+  COLLIDED_EDGE_EDGE = 2,
+  COLLIDED_TRIANGLE_TRIANGLE = 3,
+  COLLIDED_EDGE_TRIANGLE = 4 /* an edge goes through a triangle: in frames of DCD alone, not with Q16 or CANDIDATES */
+};
 /* Masks of collided_scene_spec.kinds: 1 << (kind - 1). 0: the first two. */
-enum { COLLIDED_KINDS_VERTEX_TRIANGLE = 1, COLLIDED_KINDS_EDGE_EDGE = 2, COLLIDED_KINDS_TRIANGLE_TRIANGLE = 4 };
+enum {
+  COLLIDED_KINDS_VERTEX_TRIANGLE = 1,
+  COLLIDED_KINDS_EDGE_EDGE = 2,
+  COLLIDED_KINDS_TRIANGLE_TRIANGLE = 4,
+  COLLIDED_KINDS_EDGE_TRIANGLE = 8
+};
 
 /* Masks of collided_scene_spec.fields. 0: all but WEIGHTS and NORMALS. */
 enum {
@@ -306,7 +316,8 @@ COLLIDED_API void collided_result_free(collided_result* result);
 typedef struct collided_contacts {
   size_t struct_size;
   uint64_t count;
-  const uint32_t* elements; /* [count][2]: vertex and element, two edges, or two elements; scene-wide */
+  const uint32_t* elements; /* [count][2]: vertex and element, two edges, two elements, or edge and triangle;
+                               scene-wide */
   const uint32_t* stencils; /* [count][4]: vertex and its triangle's three, or the ends of both edges; scene-wide */
   const double* toi;        /* [count]: time of impact, 0 to 1 of the step (CCD from FAST on) */
   const double* distance;   /* [count]: >= 0, at the time of impact or, in DCD, of the frame (from FAST on) */
@@ -316,11 +327,12 @@ typedef struct collided_contacts {
 } collided_contacts;
 
 enum {
-  COLLIDED_FLAG_CERTIFIED = 1,  /* certain in exact arithmetic */
-  COLLIDED_FLAG_NEAR = 2,       /* certain only to within delta and the working precision */
-  COLLIDED_FLAG_CAPPED = 4,     /* the iteration limit was met; toi is still a lower bound */
-  COLLIDED_FLAG_INITIAL = 8,    /* in contact at t = 0 (with NEAR: to within delta) */
-  COLLIDED_FLAG_SEPARATING = 16 /* in contact at t = 0, and certain to come no closer in the step */
+  COLLIDED_FLAG_CERTIFIED = 1,   /* certain in exact arithmetic */
+  COLLIDED_FLAG_NEAR = 2,        /* certain only to within delta and the working precision */
+  COLLIDED_FLAG_CAPPED = 4,      /* the iteration limit was met; toi is still a lower bound */
+  COLLIDED_FLAG_INITIAL = 8,     /* in contact at t = 0 (with NEAR: to within delta) */
+  COLLIDED_FLAG_SEPARATING = 16, /* in contact at t = 0, and certain to come no closer in the step */
+  COLLIDED_FLAG_TOUCHING = 64 /* EDGE_TRIANGLE: they touch, and the order of their vertices' ids makes it a crossing */
 };
 
 /* Gives the contacts on the host: all of them, or those that did not fit into collided_frame.room. */
@@ -356,7 +368,7 @@ typedef struct collided_facts {
   /* Work: */
   uint64_t cells, leaves, registrations, tests, pairs, exact_decisions;
   uint32_t top_level, base_level;
-  /* [kind - 1]: */
+  /* [kind - 1], of the kinds that measure distances and of two triangles: */
   uint64_t candidates[3], survivors[3], contacts[3];
   double way; /* with `advance`: lengths of all vertices' ways that were gone, added up, divided by those of the whole
                  ways, 0 to 1; else 1 */
@@ -364,6 +376,7 @@ typedef struct collided_facts {
   uint64_t shortened_count;
   const uint32_t* shortened_ids;     /* [shortened_count], ascending: meshes, or scene-wide vertices */
   const double* shortened_fractions; /* [shortened_count]: how far each went, 0 or more and less than 1 */
+  uint64_t edge_triangle_contacts;   /* `contacts` of COLLIDED_EDGE_TRIANGLE, which has no candidates */
 } collided_facts;
 
 COLLIDED_API collided_status collided_result_facts(const collided_result* result, collided_facts* facts);

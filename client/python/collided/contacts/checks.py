@@ -32,8 +32,9 @@ def check_limits(chunks: Sequence[contact_pb2.ContactChunk], are_asked: bool) ->
     if chunks and not are_asked:
         raise DataLoss(f"limits has {len(chunks)} chunks, and the frame did not ask for them")
     for chunk in chunks:
-        if chunk.kind == contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE:
-            raise DataLoss("limits.kind is that of two triangles; only a vertex and a triangle, or two edges, limit a way")
+        if chunk.kind in (contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, contact_pb2.CONTACT_KIND_EDGE_TRIANGLE):
+            name = KINDS[chunk.kind].name.upper()
+            raise DataLoss(f"limits.kind is {name}; only a vertex and a triangle, or two edges, limit a way")
 
 
 def check_done(done: frame_pb2.FrameDone) -> None:
@@ -65,14 +66,12 @@ def check_part(part: Part, layout: Layout, field: str = CONTACTS) -> None:
     if (stencils := arrays.get("stencils")) is not None:
         _check_ids(f"{field}.stencils", stencils, int(layout.vertex_offsets[-1]), "vertices")
     if (elements := arrays.get("elements")) is not None:
-        name, count = f"{field}.elements", int(layout.element_offsets[-1])
-        if part.kind == contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE:
-            _check_ids(name, elements[:, 0], int(layout.vertex_offsets[-1]), "vertices")
-            _check_ids(name, elements[:, 1], count, "elements")
-        elif part.kind == contact_pb2.CONTACT_KIND_EDGE_EDGE:
-            _check_ids(name, elements, 3 * count, "edges at most")
-        else:
-            _check_ids(name, elements, count, "elements")
+        vertices, count = int(layout.vertex_offsets[-1]), int(layout.element_offsets[-1])
+        vertex, edge, element = (vertices, "vertices"), (3 * count, "edges at most"), (count, "elements")
+        both = {contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE: (vertex, element), contact_pb2.CONTACT_KIND_EDGE_EDGE: (edge, edge),
+                contact_pb2.CONTACT_KIND_EDGE_TRIANGLE: (edge, element)}.get(part.kind, (element, element))
+        for ids, feature in zip(elements.T, both):
+            _check_ids(f"{field}.elements", ids, *feature)
 
 
 def _check_ids(name: str, ids: np.ndarray, count: int, of_what: str) -> None:

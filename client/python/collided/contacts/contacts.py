@@ -29,13 +29,14 @@ class Flag(enum.IntFlag):
     CAPPED = contact_pb2.CONTACT_FLAG_CAPPED
     INITIAL = contact_pb2.CONTACT_FLAG_INITIAL
     SEPARATING = contact_pb2.CONTACT_FLAG_SEPARATING
+    TOUCHING = contact_pb2.CONTACT_FLAG_TOUCHING
 
 
 class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
-    """Contacts of one frame, in canonical order: by kind (vertex-triangle, edge-edge, triangle-triangle), then by ids.
+    """Contacts of one frame, in canonical order: by kind (vertex-triangle, edge-edge, triangle-triangle, edge-triangle), then by ids.
 
     Every array has one row for each contact. An index (a mask, a slice, numbers) gives the contacts that it selects, and so
-    do `vt`, `ee`, `tt`, `of_mesh` and `between`; what concerns the whole frame, such as `earliest_toi`, stays as it is.
+    do `vt`, `ee`, `tt`, `et`, `of_mesh` and `between`; what concerns the whole frame, such as `earliest_toi`, stays as it is.
     Positions of the frame are kept as long as its contacts are.
 
     A column that the scene did not ask for, or that its mode or level does not compute, raises FailedPrecondition.
@@ -140,7 +141,7 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
 
     @property
     def kinds(self) -> np.ndarray:
-        """uint8[n]: 1 vertex-triangle, 2 edge-edge, 3 triangle-triangle."""
+        """uint8[n]: 1 vertex-triangle, 2 edge-edge, 3 triangle-triangle, 4 edge-triangle."""
         return self._column("kinds")
 
     def has_flag(self, flag: Flag) -> np.ndarray:
@@ -149,7 +150,8 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
 
     @cached_property
     def meshes(self) -> np.ndarray:
-        """int64[n][2]: indices of the meshes of the two features. Edge pairs need the field "stencil"."""
+        """int64[n][2]: indices of the meshes of the two features. Edge pairs need the field "stencil"; edges that go through
+        triangles need the elements of the meshes, which frames that are watched do not have."""
         return meshes_of(self)
 
     @cached_property
@@ -164,7 +166,8 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
     @cached_property
     def points(self) -> tuple[np.ndarray, np.ndarray]:
         """float64[n][3] each: the closest points of the first and the second feature, at the time of impact, or in the
-        frame (DCD). Needs the fields "stencil" and "weights"; NaN of triangle pairs."""
+        frame (DCD). Needs the fields "stencil" and "weights"; NaN of triangle pairs. Both are where the edge meets the triangle,
+        of edge-triangle contacts."""
         return closest_points(self)
 
     # Selections.

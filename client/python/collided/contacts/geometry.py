@@ -17,14 +17,23 @@ def meshes_of(contacts: Contacts) -> np.ndarray:
     """Mesh indices of both features, int64[n][2]."""
     layout, kinds = contacts.answer.layout, contacts.kinds
     out = np.empty((len(contacts), 2), np.int64)
-    pairs = kinds == contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE
+    pairs, crossings = (kinds == contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE), _are_crossings(contacts)
     if pairs.any():
         out[pairs] = _owner(layout.element_offsets, contacts.elements[pairs])
-    if not pairs.all():
-        stencils = contacts.stencils[~pairs]
-        second = np.where(kinds[~pairs] == contact_pb2.CONTACT_KIND_EDGE_EDGE, stencils[:, 2], stencils[:, 1])
-        out[~pairs] = _owner(layout.vertex_offsets, np.stack([stencils[:, 0], second], axis=1))
+    if crossings.any():
+        elements = contacts.elements[crossings]
+        out[crossings, 0] = _owner(layout.edge_offsets, elements[:, 0])
+        out[crossings, 1] = _owner(layout.element_offsets, elements[:, 1])
+    others = ~(pairs | crossings)
+    if others.any():
+        stencils = contacts.stencils[others]
+        second = np.where(kinds[others] == contact_pb2.CONTACT_KIND_EDGE_EDGE, stencils[:, 2], stencils[:, 1])
+        out[others] = _owner(layout.vertex_offsets, np.stack([stencils[:, 0], second], axis=1))
     return out
+
+
+def _are_crossings(contacts: Contacts) -> np.ndarray:
+    return contacts.kinds == contact_pb2.CONTACT_KIND_EDGE_TRIANGLE
 
 
 def _owner(offsets: np.ndarray, ids: np.ndarray) -> np.ndarray:
@@ -37,10 +46,15 @@ def closest_points(contacts: Contacts) -> tuple[np.ndarray, np.ndarray]:
     answer = contacts.answer
     if answer.way is None:
         raise FailedPrecondition("a frame that is watched, or of a DeviceSession, has no positions that points could be computed from")
-    pairs = contacts.kinds == contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE
+    pairs, crossings = contacts.kinds == contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, _are_crossings(contacts)
     if pairs.all():
         return np.full((len(contacts), 3), np.nan), np.full((len(contacts), 3), np.nan)
-    stencils = np.where(pairs[:, None], 0, contacts.stencils)
+    stencils = np.zeros((len(contacts), 4), np.int64)
+    others = ~(pairs | crossings)
+    if others.any():
+        stencils[others] = contacts.stencils[others]
+    if crossings.any():
+        stencils[crossings, 1:] = answer.layout.corners[contacts.elements[crossings, 1]]
     x = answer.ends[stencils]
     if answer.has_motion:
         t = contacts.toi[:, None, None]
@@ -51,4 +65,5 @@ def closest_points(contacts: Contacts) -> tuple[np.ndarray, np.ndarray]:
     second = np.where(edges, (1 - w1) * x[:, 2] + w1 * x[:, 3],
                       (1 - w0 - w1) * x[:, 1] + w0 * x[:, 2] + w1 * x[:, 3])
     first[pairs] = np.nan
+    first[crossings] = second[crossings]
     return first, second

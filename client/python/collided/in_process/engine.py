@@ -15,7 +15,7 @@ from collided.errors import FailedPrecondition, Unimplemented
 from collided.frames.updates import Incoming, Update
 from collided.in_process import library
 from collided.in_process.library import Library
-from collided.kinds import KINDS
+from collided.kinds import EDGE_EDGE, KINDS, TRIANGLE_TRIANGLE, VERTEX_TRIANGLE
 from collided.layout import Layout
 from collided.v1 import contact_pb2, frame_pb2, metrics_pb2, scene_pb2
 
@@ -73,7 +73,8 @@ class Result:
     def _metrics(self, facts: library.Facts) -> metrics_pb2.FrameMetrics:
         counts = metrics_pb2.FrameCounts(**{name: getattr(facts, name) for name in (
             "cells", "leaves", "top_level", "base_level", "registrations", "tests", "pairs", "exact_decisions")})
-        for i, kind in enumerate(KINDS.values()):
+        counts.contacts_edge_triangle = facts.edge_triangle_contacts
+        for i, kind in enumerate((VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE)):
             for counter in ("candidates", "survivors", "contacts"):
                 if (field := f"{counter}_{kind.name}") in counts.DESCRIPTOR.fields_by_name:  # triangle pairs have no candidates
                     setattr(counts, field, getattr(facts, counter)[i])

@@ -84,7 +84,7 @@ class Facts(_Sized):
                 ("tests", c_uint64), ("pairs", c_uint64), ("exact_decisions", c_uint64), ("top_level", c_uint32),
                 ("base_level", c_uint32), ("candidates", c_uint64 * 3), ("survivors", c_uint64 * 3),
                 ("contacts", c_uint64 * 3), ("way", c_double), ("shortened_count", c_uint64), ("shortened_ids", c_void_p),
-                ("shortened_fractions", c_void_p)]
+                ("shortened_fractions", c_void_p), ("edge_triangle_contacts", c_uint64)]
 
 
 _FUNCTIONS = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -129,6 +130,18 @@ class Mesh:
     def element_count(self) -> int:
         """Triangles, loose edges and loose points."""
         return len(self.triangles) + len(self.edges) + len(self.points)
+
+    @property
+    def corners(self) -> np.ndarray:
+        """int64[n][3]: vertices of the elements, in their order: triangles, then loose edges as a b b, then loose points as a a a."""
+        return np.concatenate([self.triangles, self.edges[:, [0, 1, 1]], np.stack([self.points] * 3, axis=1)]).astype(np.int64)
+
+    @cached_property
+    def edge_count(self) -> int:
+        """Pairs of vertices that are two corners of a triangle, or the ends of a loose edge."""
+        sides = np.concatenate([*(self.triangles[:, [i, (i + 1) % 3]] for i in range(3)), self.edges]).astype(np.int64)
+        low, high = sides.min(axis=1), sides.max(axis=1)
+        return len(np.unique(low * self.vertex_count + high))
 
     @property
     def is_static(self) -> bool:

@@ -69,6 +69,8 @@ TEST(Flags, AreMasks) {
   EXPECT_EQ(flag_words(0).size(), 0u);
   EXPECT_EQ(flag_words(v1::CONTACT_FLAG_CAPPED), (std::vector<std::string_view>{"capped"}));
   EXPECT_EQ(flag_words(15), (std::vector<std::string_view>{"certified", "near", "capped", "initial"}));
+  EXPECT_EQ(flag_words(v1::CONTACT_FLAG_CERTIFIED | v1::CONTACT_FLAG_TOUCHING),
+            (std::vector<std::string_view>{"certified", "touching"}));
 }
 
 }  // namespace

@@ -164,12 +164,12 @@ class Pairs(batch_support.BatchTest):
     def test_candidates_are_counted_by_kind(self):
         self.frames("", (1, 2))
         self.batch("--accuracy", "candidates", "--kinds", "vt,ee,tt", *ONE_CPU)
-        names = ("contacts", "vertex_triangle", "edge_edge", "triangle_triangle", "any_contact", "earliest_toi")
+        names = ("contacts", "vertex_triangle", "edge_edge", "triangle_triangle", "edge_triangle", "any_contact", "earliest_toi")
         (row,) = self.table()
-        counts = [int(row[name]) for name in names[:4]]
+        counts = [int(row[name]) for name in names[:5]]
         self.assertEqual(counts[0], sum(counts[1:]))
-        self.assertTrue(all(counts), row)
-        self.assertEqual([row[name] for name in names[4:]], ["no", ""])
+        self.assertEqual([bool(count) for count in counts], [True, True, True, True, False], row)
+        self.assertEqual([row[name] for name in names[5:]], ["no", ""])
 
     def test_a_daemon_that_cannot_be_reached_is_no_pairs_fault(self):
         self.frames("", (1, 2, 3))

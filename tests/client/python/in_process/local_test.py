@@ -36,6 +36,7 @@ CASES = {
     "candidates": {"accuracy": "candidates"},
     "dcd": {"mode": "dcd", "thickness": 0.03, "accuracy": "guarded"},
     "triangles": {"mode": "dcd", "kinds": ["tt"]},
+    "crossings": {"mode": "dcd", "kinds": ["vt", "et"]},
     "q16": {"position_format": "q16", "quantization_box": collided.Box((-1, -1, -1), (2, 2, 2))},
     "fields": {"fields": ["normal", "weights", "toi"]},
     "earliest": {"report": "earliest_only"},
@@ -83,7 +84,8 @@ class SameAsADaemon(unittest.TestCase):
                     for array in ("ids", "fractions"):
                         self.assertEqual(getattr(mine.shortened, array).tobytes(), getattr(theirs.shortened, array).tobytes())
                     self.assertEqual(mine.limits.records.tobytes(), theirs.limits.records.tobytes())
-                    for count in ("contacts_vertex_triangle", "contacts_edge_edge", "contacts_triangle_triangle"):
+                    for count in ("contacts_vertex_triangle", "contacts_edge_edge", "contacts_triangle_triangle",
+                                  "contacts_edge_triangle", "candidates_vertex_triangle", "survivors_vertex_triangle"):
                         self.assertEqual(getattr(mine.metrics.counts, count), getattr(theirs.metrics.counts, count))
                 for mesh in wanted:
                     self.assertEqual(places[mesh].tobytes(), wanted[mesh].tobytes())
@@ -211,7 +213,8 @@ class WhatItDoesNotHave(unittest.TestCase):
 
     def test_bad_options_name_their_field(self):
         for options, field in (({"device": "tpu"}, "device"), ({"mode": "dcd", "accuracy": "fast"}, "thickness"),
-                               ({"expected_contacts": 2**32 - 1, "kinds": ["tt"]}, "triangle_triangle")):
+                               ({"expected_contacts": 2**32 - 1, "kinds": ["tt"]}, "triangle_triangle"),
+                               ({"kinds": ["et"]}, "edge_triangle")):
             with self.assertRaises(collided.InvalidArgument) as caught:
                 collided.Session(meshes(), server="local", **options)
             self.assertEqual(caught.exception.field, field)
@@ -239,8 +242,8 @@ class TheLibrary(unittest.TestCase):
             self.assertEqual(library.find_library(), f"{folder}/lib/libcollided.so.1")
 
     def test_structures_are_those_of_the_header(self):
-        sizes = {"Mesh": 88, "SceneSpec": 144, "DeviceInfo": 160, "Topology": 72, "Update": 80, "Frame": 112, "Contacts": 72,
-                 "Facts": 232}
+        sizes = {"Mesh": 96, "SceneSpec": 144, "DeviceInfo": 160, "Topology": 72, "Update": 80, "Frame": 112, "Contacts": 72,
+                 "Facts": 240}
         for name, size in sizes.items():
             self.assertEqual(ctypes.sizeof(getattr(library, name)), size, name)
 
