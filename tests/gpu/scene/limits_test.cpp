@@ -309,7 +309,7 @@ uint64_t bytes_of(const Detector& detector) {
 TEST_F(Limits, CostNothingWhereNobodyAsks) {
   const Step step = pressed_sheets(20);
   const auto detector = at_start(step, settings(Mode::kCcd, Accuracy::kCertified));
-  advance(*detector, step, AdvanceMode::kPerVertex, false);
+  for (int frame = 0; frame < 2; ++frame) advance(*detector, step, AdvanceMode::kPerVertex, false);
   const uint64_t before = bytes_of(*detector);
   const FrameResult without = advance(*detector, step, AdvanceMode::kPerVertex, false);
   EXPECT_EQ(count_contacts(without.limits), 0u);
