@@ -48,8 +48,8 @@ export function checkDone(done: FrameDone | undefined): FrameDone {
 }
 
 /** As many contacts came as the daemon says that it sent. */
-export function checkTotal(done: FrameDone, { vertexTriangle, edgeEdge, triangleTriangle }: ContactsByKind): void {
-  const came = vertexTriangle.count + edgeEdge.count + triangleTriangle.count;
+export function checkTotal(done: FrameDone, { vertexTriangle, edgeEdge, triangleTriangle, edgeTriangle }: ContactsByKind): void {
+  const came = vertexTriangle.count + edgeEdge.count + triangleTriangle.count + edgeTriangle.count;
   if (done.contactCount !== BigInt(came)) throw dataLoss(`done.contact_count is ${done.contactCount}, and ${came} contacts came`);
 }
 
@@ -77,11 +77,13 @@ export function checkIds(output: ContactsByKind & { limits: ContactsByKind }, si
   checkIdsOf(output.limits, size, "limits");
 }
 
-function checkIdsOf({ vertexTriangle, edgeEdge, triangleTriangle }: ContactsByKind, size: SceneSize, of: ContactsField): void {
+function checkIdsOf(contacts: ContactsByKind, size: SceneSize, of: ContactsField): void {
   const { vertices, elements } = size;
-  checkKind(vertexTriangle, size, [vertices, elements], of);
-  checkKind(edgeEdge, size, [3 * elements, 3 * elements], of); // edges at most
-  checkKind(triangleTriangle, size, [elements, elements], of);
+  const edges = 3 * elements; // at most
+  checkKind(contacts.vertexTriangle, size, [vertices, elements], of);
+  checkKind(contacts.edgeEdge, size, [edges, edges], of);
+  checkKind(contacts.triangleTriangle, size, [elements, elements], of);
+  checkKind(contacts.edgeTriangle, size, [edges, elements], of);
 }
 
 function checkKind(contacts: Contacts, { vertices }: SceneSize, most: [number, number], of: ContactsField): void {

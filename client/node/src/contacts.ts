@@ -24,7 +24,7 @@ export interface Contacts extends Iterable<Contact> {
   readonly count: number;
   /** The same as `count`. */
   readonly length: number;
-  /** Two ids for each contact: vertex and element, or two edges, or two triangles; scene-wide. */
+  /** Two ids for each contact: vertex and element, two edges, two triangles, or edge and triangle; scene-wide. */
   elements: Uint32Array;
   /** Four vertices for each contact; scene-wide. */
   stencils: Uint32Array;
@@ -45,6 +45,7 @@ export interface ContactsByKind {
   vertexTriangle: Contacts;
   edgeEdge: Contacts;
   triangleTriangle: Contacts;
+  edgeTriangle: Contacts;
 }
 
 /** The fields of an answer that have contacts, as errors name them. */
@@ -60,7 +61,7 @@ const FIELDS = Object.keys(ENTRIES) as Field[];
  * a kind is not known.
  */
 export function contactsOf(chunks: readonly ContactChunk[], of: ContactsField = "contacts"): ContactsByKind {
-  const known = [ContactKind.VERTEX_TRIANGLE, ContactKind.EDGE_EDGE, ContactKind.TRIANGLE_TRIANGLE];
+  const known = [ContactKind.VERTEX_TRIANGLE, ContactKind.EDGE_EDGE, ContactKind.TRIANGLE_TRIANGLE, ContactKind.EDGE_TRIANGLE];
   if (chunks.some((chunk) => chunk.count === 0)) throw dataLoss(`${of}.count is 0; a chunk has 1 contact or more`);
   if (chunks.some((chunk) => chunk.shared)) throw dataLoss(`${of}.shared names shared memory, and there is none over gRPC`);
   const stranger = chunks.find((chunk) => !known.includes(chunk.kind));
@@ -74,14 +75,17 @@ export function contactsOf(chunks: readonly ContactChunk[], of: ContactsField = 
     vertexTriangle: ofKind(ContactKind.VERTEX_TRIANGLE),
     edgeEdge: ofKind(ContactKind.EDGE_EDGE),
     triangleTriangle: ofKind(ContactKind.TRIANGLE_TRIANGLE),
+    edgeTriangle: ofKind(ContactKind.EDGE_TRIANGLE),
   };
 }
 
 /** Joins chunks of contacts that limit a way. Throws (DATA_LOSS) if an array is missing, or a kind limits no way. */
 export function limitsOf(chunks: readonly ContactChunk[]): ContactsByKind {
   const limits = contactsOf(chunks, "limits");
-  if (limits.triangleTriangle.count > 0) {
-    throw dataLoss("limits.kind is TRIANGLE_TRIANGLE; only a vertex and a triangle, or two edges, limit a way");
+  for (const kind of [ContactKind.TRIANGLE_TRIANGLE, ContactKind.EDGE_TRIANGLE]) {
+    if (chunks.some((chunk) => chunk.kind === kind)) {
+      throw dataLoss(`limits.kind is ${ContactKind[kind]}; only a vertex and a triangle, or two edges, limit a way`);
+    }
   }
   for (const contacts of [limits.vertexTriangle, limits.edgeEdge]) {
     const missing = FIELDS.find((field) => contacts[field].length !== contacts.count * ENTRIES[field]);

@@ -18,6 +18,7 @@ export class FrameOutput implements ContactsByKind {
   readonly vertexTriangle: Contacts;
   readonly edgeEdge: Contacts;
   readonly triangleTriangle: Contacts;
+  readonly edgeTriangle: Contacts;
   /** How far each mesh, or vertex, went, in a frame with `advanceMode` PER_MESH, or PER_VERTEX. */
   readonly shortened: Shortened;
   /**
@@ -45,6 +46,7 @@ export class FrameOutput implements ContactsByKind {
       vertexTriangle: this.vertexTriangle,
       edgeEdge: this.edgeEdge,
       triangleTriangle: this.triangleTriangle,
+      edgeTriangle: this.edgeTriangle,
     } = contactsOf([...chunks, ...(done?.contacts ?? [])]));
     this.shortened = shortenedOf(done?.shortened ? [...ways, done.shortened] : ways);
     this.limits = limitsOf([...limits, ...(done?.limits ?? [])]);

@@ -1,6 +1,18 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Accuracy, Code, ContactFlag, type FrameInput, PositionFormat, Report, type Scene } from "../src/index.js";
+import {
+  Accuracy,
+  Code,
+  ContactField,
+  ContactFlag,
+  ContactKind,
+  DetectionMode,
+  type FrameInput,
+  PositionFormat,
+  Report,
+  type Scene,
+  type SceneInput,
+} from "../src/index.js";
 import { FLOOR, TWO_TRIANGLES, fall, refused, sheets, tipAt, useDaemon } from "./support.js";
 
 const used = useDaemon(["--max-message-mb", "4"]);
@@ -33,6 +45,28 @@ test("a contact is where it was built in", () =>
     assert.deepEqual([done.contactCount, done.earliestToi, done.anyContact], [1n, contacts.toi[0], true]);
     assert(done.metrics!.stages.length > 0);
   }));
+
+// Two triangles with the corner 0, of which the second one goes through the first.
+test("an edge goes through a neighbour", async () => {
+  const { VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE, EDGE_TRIANGLE } = ContactKind;
+  const folded: SceneInput = {
+    mode: DetectionMode.DCD,
+    accuracy: Accuracy.EXACT,
+    positionFormat: PositionFormat.F64,
+    kinds: [VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE, EDGE_TRIANGLE],
+    fields: [ContactField.ELEMENTS, ContactField.WEIGHTS, ContactField.FLAGS],
+    meshes: [{ name: "folded", vertexCount: 5, triangles: [0, 1, 2, 0, 3, 4] }],
+  };
+  const scene = await used.client.createScene(folded);
+  const positions = Float64Array.of(0, 0, 0, 4, 0, 0, 0, 4, 0, 2, 1, -1, 2, 1.5, 2);
+  const { edgeTriangle, done } = await used.client.detect(scene, { frameId: 1, updates: [{ mesh: 0, positions }] });
+  assert.deepEqual([[...edgeTriangle.elements], [...edgeTriangle.flags]], [[5, 0], [ContactFlag.CERTIFIED]]);
+  assert(Math.abs(edgeTriangle.weights[0] - 1 / 2) < 1e-12 && Math.abs(edgeTriangle.weights[1] - 7 / 24) < 1e-12);
+  assert.equal(done.contactCount, 1n);
+  await used.client.deleteScene(scene);
+  const moving = { ...folded, mode: DetectionMode.CCD, kinds: [VERTEX_TRIANGLE, EDGE_EDGE, EDGE_TRIANGLE] };
+  await refused(() => used.client.createScene(moving), Code.INVALID_ARGUMENT, "spec.kinds[2]", /EDGE_TRIANGLE/);
+});
 
 test("ids have all their 64 bits", () =>
   withScene(async (scene) => {

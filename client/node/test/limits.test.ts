@@ -61,8 +61,14 @@ test("limits that cannot be are refused by name", async () => {
     await lost(new RegExp(`limits.${field} has `), () => outputOf([chunk([3])], [chunk([4], { [field]: none })]));
     await lost(new RegExp(`limits.${field} has 99 bytes`), () => outputOf([chunk([3], { [field]: new Uint8Array(99) })], []));
   }
-  const triangles = chunk([0], { kind: ContactKind.TRIANGLE_TRIANGLE });
-  await lost(/limits.kind is TRIANGLE_TRIANGLE/, () => outputOf([triangles], []));
+  for (const kind of [ContactKind.TRIANGLE_TRIANGLE, ContactKind.EDGE_TRIANGLE]) {
+    await lost(new RegExp(`limits.kind is ${ContactKind[kind]}`), () => outputOf([chunk([0], { kind })], []));
+  }
+  const crossing = (pair: number[]) => ContactChunk.create({ kind: ContactKind.EDGE_TRIANGLE, count: 1, elements: bytesOf(Uint32Array.from(pair)) });
+  const named = (pair: number[]) => checkIds(new FrameOutput(1n, [crossing(pair)], {}), size);
+  named([3 * size.elements - 1, size.elements - 1]);
+  await lost(/contacts.elements names/, () => named([3 * size.elements, 0]));
+  await lost(/contacts.elements names/, () => named([0, size.elements]));
   await lost(/limits.kind is 77/, () => outputOf([], [chunk([3], { kind: 77 as never })]));
   await lost(/limits.count is 0/, () => outputOf([], [chunk([], {})]));
   await lost(/limits.toi has 1.5/, () => outputOf([], [chunk([3], { toi: bytesOf(Float64Array.of(1.5)) })]));

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Accuracy, Code, ContactField, DetectionMode, PositionFormat, SceneState, connect } from "../src/index.js";
-import { TWO_TRIANGLES, fall, refused, sheets, useDaemon } from "./support.js";
+import { FLOOR, TWO_TRIANGLES, fall, refused, sheets, tipAt, useDaemon } from "./support.js";
 
 const used = useDaemon(["--max-message-mb", "4"]); // room for 2 MiB of triangles in the message that creates a scene
 const [floor, tip] = TWO_TRIANGLES.meshes;
