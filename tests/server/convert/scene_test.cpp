@@ -325,6 +325,10 @@ TEST(ConvertScene, RefusesWhatDoesNotGoTogether) {
     r.mutable_spec()->add_kinds(pb::CONTACT_KIND_EDGE_EDGE);
     r.mutable_spec()->add_kinds(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
   });
+  refuse("spec.kinds[1]", [](Request& r) {
+    r.mutable_spec()->add_kinds(pb::CONTACT_KIND_EDGE_EDGE);
+    r.mutable_spec()->add_kinds(pb::CONTACT_KIND_EDGE_TRIANGLE);
+  });
   refuse("spec.report", [](Request& r) {
     r.mutable_spec()->set_mode(pb::DETECTION_MODE_DCD);
     r.mutable_spec()->set_report(pb::REPORT_EARLIEST_ONLY);
