@@ -8,9 +8,17 @@ struct FeaturesOfWorld {
   uint32_t first, second;
 };
 FeaturesOfWorld features_of(ContactKind kind, const WorldShape& shape) {
-  if (kind == ContactKind::kVertexTriangle) return {shape.vertices, shape.triangles};
-  const uint32_t both = kind == ContactKind::kEdgeEdge ? shape.edges : shape.triangles;
-  return {both, both};
+  switch (kind) {
+    case ContactKind::kVertexTriangle:
+      return {shape.vertices, shape.triangles};
+    case ContactKind::kEdgeEdge:
+      return {shape.edges, shape.edges};
+    case ContactKind::kTriangleTriangle:
+      return {shape.triangles, shape.triangles};
+    case ContactKind::kEdgeTriangle:
+      break;
+  }
+  return {shape.edges, shape.triangles};
 }
 
 /// Contacts are in the order of their first ids, and so of their worlds.

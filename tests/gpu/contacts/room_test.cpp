@@ -112,7 +112,10 @@ uint64_t expect_same(const Ask& ask, uint64_t bytes = kAmple) {
   const auto detector = Detector::create(spec_for(ask.scene, ask.spec));
   const FrameResult placed = detector->detect(input);
   const std::vector<std::byte> written = memory.read();
-  EXPECT_TRUE(same_contacts(expected, brought(placed, written)));
+  const FrameResult all = brought(placed, written);
+  EXPECT_TRUE(same_contacts(expected, all));
+  EXPECT_TRUE(same_bytes(expected.triangle_triangle, all.triangle_triangle));
+  EXPECT_TRUE(same_bytes(expected.edge_triangle, all.edge_triangle));
   expect_same_totals(expected, placed);
   expect_stencils(placed, written, detector->topology());
   EXPECT_TRUE(std::all_of(written.begin() + static_cast<std::ptrdiff_t>(bytes), written.end(),
@@ -201,6 +204,15 @@ TEST_P(Room, TrianglePairs) {
     spec.kinds = {.triangle_triangle = true};
     EXPECT_GT(expect_same({spec, case_}), 0u);
   }
+}
+
+TEST_P(Room, Crossings) {
+  if (GetParam() == Accuracy::kCandidates) return;  // which decides of none
+  SceneSpec spec = full(Mode::kDcd, GetParam(), Scalar::kF64, 0.01);
+  spec.kinds.triangle_triangle = spec.kinds.edge_triangle = true;
+  for (const uint64_t bytes : {kAmple, 3 * kPage}) EXPECT_GT(expect_same({spec, case_}, bytes), 0u);
+  spec.kinds = {.edge_triangle = true};
+  EXPECT_GT(expect_same({spec, case_}), 0u);
 }
 
 TEST_P(Room, OneKindAlone) {

@@ -87,7 +87,8 @@ FrameResult result_of(const FrameResult& all, uint32_t world) {
 bool same_as_alone(const FrameResult& set, uint32_t world, const FrameResult& alone) {
   const FrameResult part = result_of(set, world);
   return same_bytes(part.vertex_triangle, alone.vertex_triangle) && same_bytes(part.edge_edge, alone.edge_edge) &&
-         same_bytes(part.triangle_triangle, alone.triangle_triangle);
+         same_bytes(part.triangle_triangle, alone.triangle_triangle) &&
+         same_bytes(part.edge_triangle, alone.edge_triangle);
 }
 
 /// A set, and a scene for each of its worlds.
@@ -158,7 +159,7 @@ TEST_F(Worlds, EachIsAnsweredAsASceneOfItsOwn) {
 
 TEST_F(Worlds, TrianglePairsAndWhatIsLeftOutAreThoseOfTheWorld) {
   SceneSpec spec = settings(Mode::kDcd, Accuracy::kCertified, Scalar::kF32, 0x1p-6);
-  spec.kinds = {.vertex_triangle = true, .edge_edge = true, .triangle_triangle = true};
+  spec.kinds = {.vertex_triangle = true, .edge_edge = true, .triangle_triangle = true, .edge_triangle = true};
   Case meshes = of_one_world();
   meshes.meshes[0].excluded_rings = 2;
   meshes.meshes[1].groups = 2;
