@@ -55,7 +55,7 @@ TEST(CLibraryRefusals, SpecsWithTheirField) {
       {"position_format", [](auto& s, auto*) { s.position_format = 99; }},
       {"broad_phase_engine", [](auto& s, auto*) { s.broad_phase_engine = 9; }},
       {"reuse", [](auto& s, auto*) { s.reuse = 3; }},
-      {"kinds", [](auto& s, auto*) { s.kinds = 8; }},
+      {"kinds", [](auto& s, auto*) { s.kinds = 16; }},
       {"fields", [](auto& s, auto*) { s.fields = 128; }},
       {"thickness", [](auto& s, auto*) { s.thickness = kNan; }},
       {"thickness", [](auto& s, auto*) { s.thickness = -1; }},

@@ -58,7 +58,7 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
         self.read("merge", results, "--out", os.path.join(self.folder.name, "pairs"))
         self.read("stream", *frames, *ONE_CPU, "--record", recording)
         self.read("stream", *SMALL, "--frames", "2", "--advance", *ONE_CPU)
-        self.read("detect", "--frames", *frames, *ONE_CPU, "--advance", "--advance-mode", "per-vertex")
+        self.read("detect", "--frames", *frames, *ONE_CPU, "--advance", "--advance-mode", "per-vertex", "--limits")
         self.read("stream", *SMALL, "--frames", "2", "--advance", "--advance-mode", "per-mesh", *ONE_CPU)
         self.read("replay", recording, *ONE_CPU)
         self.read("render", "--frames", *frames, *ONE_CPU, "--crossings", "--width", "16", "--height", "16", "--out", picture)

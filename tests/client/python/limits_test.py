@@ -65,7 +65,7 @@ class Answers(unittest.TestCase):
             self.assertEqual([getattr(limits, name).shape for name in COLUMNS], [(0, *column.shape) for column in COLUMNS.values()])
 
     def test_answers_that_cannot_be_are_refused_by_name(self):
-        for why, *chunks in (("limits.kind is that of two triangles", chunk(), chunk(TT)), ("limits.kind is 77", chunk(kind=77)),
+        for why, *chunks in (("limits.kind is TRIANGLE_TRIANGLE", chunk(), chunk(TT)), ("limits.kind is 77", chunk(kind=77)),
                              ("limits.count is 0", chunk(count=0)),
                              ("limits.stencils names 6; the scene has 6 vertices", chunk(stencils=np.array([3, 0, 1, 6], "<u4").tobytes())),
                              ("limits.elements names 6; the scene has 6 vertices", chunk(first=6)),

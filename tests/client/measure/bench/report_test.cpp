@@ -77,6 +77,7 @@ TEST(Bench, CountsAreThoseOfTheLastStepUnderTheProtocolsNames) {
                                     "contacts_vertex_triangle",
                                     "contacts_edge_edge",
                                     "contacts_triangle_triangle",
+                                    "contacts_edge_triangle",
                                     "survivors_vertex_triangle",
                                     "survivors_edge_edge",
                                     "exact_decisions",
