@@ -47,7 +47,7 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
                    .tests = 6,
                    .pairs = 7,
                    .candidates = {8, 9, 10},
-                   .contacts = {11, 12, 13},
+                   .contacts = {11, 12, 13, 18},
                    .survivors = {14, 15, 16},
                    .exact_decisions = 17};
   result.replays = 1, result.allocations = 2, result.graph_launches = 3, result.step_milliseconds = 4;
