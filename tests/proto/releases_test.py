@@ -127,8 +127,7 @@ class Changes(unittest.TestCase):
         """A field, an enum value and a method; and a field that no request has."""
         field, value = (f" [({kind}_added_in) = {option}]" if option else "" for kind in ("field", "value"))
         body = f"{{ option (method_added_in) = {option}; }}" if option else ";"
-        for name in ("scene", "collision_service"):
-            self.change(name, r'^import "collided', 'import "collided/v1/added_in.proto";\nimport "collided')
+        self.change("collision_service", r'^import "collided', 'import "collided/v1/added_in.proto";\nimport "collided')
         self.change("scene", r"^message MeshEdit \{", f"message MeshEdit {{\n  bool mirrored = 99{field};")
         self.change("scene", r"REPORT_ANY_HIT = 3;", f"REPORT_ANY_HIT = 3;\n  REPORT_LAST = 4{value};")
         self.change("collision_service", r"^  rpc GetMesh\(", f"  rpc Ping(GetMeshRequest) returns (GetMeshResponse){body}\n  rpc GetMesh(")
