@@ -128,9 +128,9 @@ struct MeshSpec {
   /// Self contacts of a vertex and a triangle, or of two edges, that are within SceneSpec::rest_distance in the first
   /// frame are left out.
   bool excludes_rest_pairs = false;
-  /// It widens the contact distance: meshes i and j touch within SceneSpec::thickness + h_i + h_j, the real sum;
-  /// a mesh touches itself within thickness + 2 h. >= 0, finite, unit of the positions. In the continuous frames of
-  /// scenes of both modes it has no effect.
+  /// What the mesh adds to the contact distance, h: >= 0, finite, unit of the positions. Meshes i and j are in contact
+  /// within the real sum SceneSpec::thickness + h_i + h_j, a mesh and itself within thickness + 2 h. Continuous frames
+  /// of scenes of both modes do not use it.
   double half_thickness = 0;
 };
 constexpr uint32_t kMaxRings = 8;

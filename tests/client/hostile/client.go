@@ -61,19 +61,29 @@ func stream(client *collided.Client) error {
 	return stream.Finish(ctx)
 }
 
-func advance(client *collided.Client) error {
+// begun opens a stream and detects a first frame.
+func begun(client *collided.Client) (*collided.Stream, error) {
 	scene, err := client.CreateScene(ctx, spec(), meshes, 0)
 	if err != nil {
-		return err
+		return nil, err
 	}
 	stream, err := client.Stream(ctx, scene, collided.StreamOptions{})
+	if err != nil {
+		return nil, err
+	}
+	if _, err := stream.Detect(ctx, collided.Frame{Updates: updates}); err != nil {
+		stream.Close()
+		return nil, err
+	}
+	return stream, nil
+}
+
+func advance(client *collided.Client) error {
+	stream, err := begun(client)
 	if err != nil {
 		return err
 	}
 	defer stream.Close()
-	if _, err := stream.Detect(ctx, collided.Frame{Updates: updates}); err != nil {
-		return err
-	}
 	x, target := append(collided.F32{}, tip...), append(collided.F32{}, tip...)
 	for i := range target {
 		target[i][2] -= 2
@@ -95,18 +105,11 @@ func advance(client *collided.Client) error {
 }
 
 func limits(client *collided.Client) error {
-	scene, err := client.CreateScene(ctx, spec(), meshes, 0)
-	if err != nil {
-		return err
-	}
-	stream, err := client.Stream(ctx, scene, collided.StreamOptions{})
+	stream, err := begun(client)
 	if err != nil {
 		return err
 	}
 	defer stream.Close()
-	if _, err := stream.Detect(ctx, collided.Frame{Updates: updates}); err != nil {
-		return err
-	}
 	output, err := stream.Detect(ctx, collided.Frame{Advance: true, Limits: true, Updates: updates})
 	if err != nil {
 		return err

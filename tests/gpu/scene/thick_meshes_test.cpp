@@ -184,7 +184,8 @@ TEST_F(ThickMeshes, RestWithinTheirOwnDistance) {
     }
 }
 
-// Where their own distance tells the rest pairs, an edit that changes it finds them anew.
+// With a rest_distance of 0, a mesh's own distance decides which pairs are rest pairs. An edit of that distance finds
+// them anew.
 TEST_F(ThickMeshes, RestAnewWhereAnEditChangesTheirDistance) {
   constexpr double kCell = 0x1p-7;
   for (const double rest_distance : {0.0, kCell / 2}) {
