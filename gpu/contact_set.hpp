@@ -46,7 +46,7 @@ constexpr auto& value_of(Values& values, ContactKind kind) {
 using Normal = std::array<float, 3>;
 
 /// What an answer can tell of a contact.
-enum class ContactField { kElements, kToi, kDistance, kWeights, kNormals, kFlags };
+enum class ContactField { kElements, kToi, kDistance, kWeights, kNormals, kFlags, kFeatures };
 
 /// One array for each field; its values are those of the wire: little-endian, packed.
 template <template <class> class Array>
@@ -57,6 +57,7 @@ struct PerField {
   Array<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each of two edges; if asked for
   Array<Normal> normals;                    ///< unit, as narrow/normal.hpp defines it; if asked for
   Array<uint8_t> flags;                     ///< ContactFlags; from kFast on
+  Array<uint8_t> features;                  ///< ClosestFeatures; of kinds of features in DCD, if asked for
 };
 
 /// visit(field, array of each of `structs`) for each field in order.
@@ -68,6 +69,7 @@ constexpr void for_each_field(const Visit& visit, PerFields&&... structs) {
   visit(ContactField::kWeights, structs.weights...);
   visit(ContactField::kNormals, structs.normals...);
   visit(ContactField::kFlags, structs.flags...);
+  visit(ContactField::kFeatures, structs.features...);
 }
 
 namespace detail {
@@ -111,14 +113,30 @@ constexpr size_t contact_bytes(FieldSet fields) {
 /// kFlagCapped: the limit of iterations was met; kFlagInitial: in contact at t = 0 (with kFlagNear, to within delta);
 /// kFlagSeparating: in contact at t = 0 at a distance above 0, and certain to come no closer in the step than
 /// 1 - kLostAtRest of it (narrow/separating.hpp); kFlagTouching: of an edge that goes through a triangle, that real
-/// arithmetic has a tie, and that whether it does follows from the order of their vertices' ids (exact/crossings.hpp).
+/// arithmetic has a tie, and that whether it does follows from the order of their vertices' ids (exact/crossings.hpp);
+/// kFlagCovered: of a contact with `features`, that another one tells the same or is nearer (narrow/covering.hpp).
 enum ContactFlags : uint8_t {
   kFlagCertified = 1,
   kFlagNear = 2,
   kFlagCapped = 4,
   kFlagInitial = 8,
   kFlagSeparating = 16,
+  kFlagCovered = 32,
   kFlagTouching = 64
+};
+
+/// What the byte `features` of a contact says. On which features its closest points are: of a vertex and a triangle
+/// kOfTriangle has 0 for the triangle's face, 1 to 3 for the side opposite this corner, 4 to 6 for a corner; of two
+/// edges kOfFirstEdge and kOfSecondEdge have 0 for the inside of the edge, 1 and 2 for its ends. What covers it:
+/// kNearerAtFirst, kNearerAtSecond: the surface of the first or second feature's mesh comes clearly nearer beside the
+/// closest point; kSameAsBefore: an earlier contact, in the order of answers, has the same two features.
+enum ClosestFeatures : uint8_t {
+  kOfTriangle = 7,
+  kOfFirstEdge = 3,
+  kOfSecondEdge = 12,
+  kNearerAtFirst = 16,
+  kNearerAtSecond = 32,
+  kSameAsBefore = 64
 };
 
 /// Values of a result, in memory that all copies share.

@@ -45,13 +45,15 @@ struct PlaceContact {
     const Target to = target_of(i);
     if (to.place >= to.kind->count) return;
     // All columns have a name here, or this does not compile.
-    const auto& [elements, toi, distance, weights, normals, flags] = static_cast<const PerField<Span>&>(columns);
+    const auto& [elements, toi, distance, weights, normals, flags, closest] =
+        static_cast<const PerField<Span>&>(columns);
     put(to, index_of(ContactField::kElements), elements, i);
     put(to, index_of(ContactField::kToi), toi, i);
     put(to, index_of(ContactField::kDistance), distance, i);
     put(to, index_of(ContactField::kWeights), weights, i);
     put(to, index_of(ContactField::kNormals), normals, i);
     put(to, index_of(ContactField::kFlags), flags, i);
+    put(to, index_of(ContactField::kFeatures), closest, i);
     if (to.widths[kStencilArray] != 0) put_stencil(to, i);
   }
 

@@ -389,7 +389,7 @@ class NarrowPhase {
   void order() {
     StepState* state = scene_.state.data();
     const FieldSet columns = needs().columns();
-    WriteContact<Real> write{{}, {}, ranks_, scene_.columns.columns(columns)};
+    WriteContact<Real> write{{}, {}, {}, ranks_, scene_.columns.columns(columns)};
     if (needs().has_data()) write.data = wanted().data.all();
     if (columns.has(ContactField::kNormals)) write.normals = scene_.normals.all();
     put_in_order(exec_, scene_.order,
