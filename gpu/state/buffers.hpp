@@ -52,8 +52,8 @@ struct ResidentTopology {
         neighbours(exec, "advance"),
         group_of(exec, "advance"),
         rest_pairs(exec, "rest_pairs"),
-        fan_begin(exec, "features"),
-        fan_elements(exec, "features") {}
+        fan_begin(exec, "fans"),
+        fan_elements(exec, "fans") {}
 
   PairFilter filter() const {
     return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}, shape.is_one() ? 0 : shape.triangles};
@@ -272,8 +272,8 @@ struct WorkBuffers {
         normals(exec, "contacts"),
         columns(exec),
         order(exec),
-        pair_keys(exec, "features"),
-        pair_slots(exec, "features"),
+        pair_keys(exec, "covering"),
+        pair_slots(exec, "covering"),
         room(exec, "contacts"),
         layout(exec, "contacts"),
         exact_keys(exec, "exact"),
