@@ -18,7 +18,7 @@
 
 namespace collided {
 
-/// The features, in the bits that ClosestFeatures (contact_set.hpp) has for them.
+/// The features, in the bits that FeatureBits (contact_set.hpp) has for them.
 struct FoundFeatures {
   uint8_t features;
   bool is_certain;  ///< real arithmetic gives the same

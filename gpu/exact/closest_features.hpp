@@ -7,7 +7,7 @@
 
 namespace collided {
 
-/// Returns on which features the closest points of a contact are, as ClosestFeatures without its upper bits. `points`
+/// Returns on which features the closest points of a contact are, as FeatureBits without its upper bits. `points`
 /// are the stencil's, v a b c or a0 a1 b0 b1, with any finite coordinates; edges without length and triangles without
 /// area are ordinary input. `ids` are the stencil's vertex ids, which break ties of equal dimension; those of a loose
 /// edge or point repeat. Not for triangle pairs and crossings.

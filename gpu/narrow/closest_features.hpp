@@ -79,7 +79,7 @@ class SizedNumbers {
   bool is_in_range_ = false, is_on_lattice_ = false;
 };
 
-/// Returns on which features the closest points of two features are, as ClosestFeatures (contact_set.hpp) without its
+/// Returns on which features the closest points of two features are, as FeatureBits (contact_set.hpp) without its
 /// upper bits. `points` are the stencil's, v a b c or a0 a1 b0 b1, with any finite coordinates; `ids` are its
 /// vertices'. A polynomial whose rounded value is 0 counts as a tie.
 template <class Kind>

@@ -38,6 +38,19 @@ struct GatherPoints {
   }
 };
 
+/// The ids of the four vertices of each candidate.
+template <class Kind>
+struct GatherStencils {
+  Kind kind;
+  Span<const uint64_t> candidates;
+  Span<uint32_t> ids;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Stencil s = kind.stencil(candidates[i]);
+    for (int k = 0; k < 4; ++k) ids[4 * i + k] = s.v[k];
+  }
+};
+
 /// The half thicknesses of each candidate's two meshes.
 template <class Kind>
 struct GatherHalves {
