@@ -19,6 +19,11 @@ int orientation(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c, c
              p[2] * (q[0] * r[1] - q[1] * r[0]));
 }
 
+ExactPoint cross_product(const ExactPoint& a, const ExactPoint& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double length_of(const ExactPoint& d) { return std::sqrt(product(d, d).get_d()); }
+
 bool includes(const std::vector<uint32_t>& all, const std::vector<uint32_t>& some) {
   return std::includes(all.begin(), all.end(), some.begin(), some.end());
 }
@@ -31,7 +36,7 @@ bool share_one(const std::vector<uint32_t>& some, const std::vector<uint32_t>& o
 CoveringCounts& CoveringCounts::operator+=(const CoveringCounts& other) {
   contacts += other.contacts, kept += other.kept, same += other.same, nearer += other.nearer;
   crossing += other.crossing, shallow += other.shallow, steep += other.steep, unsure += other.unsure;
-  descents += other.descents, left_out += other.left_out;
+  descents += other.descents, left_out += other.left_out, faces += other.faces, supports += other.supports;
   return *this;
 }
 
@@ -117,9 +122,9 @@ CoveringJudge::Descent CoveringJudge::descent_at(const Feature& feature, const E
     } else if (feature.vertices.size() == 1) {
       for (const ExactPoint& side : sides) try_direction(side);
       if (sides.size() == 2) {
-        const mpq_class a = product(sides[0], sides[0]), b = product(sides[0], sides[1]), c = product(sides[1], sides[1]),
-                        u = product(way, sides[0]), v = product(way, sides[1]), first = u * c - v * b,
-                        second = v * a - u * b;
+        const mpq_class a = product(sides[0], sides[0]), b = product(sides[0], sides[1]),
+                        c = product(sides[1], sides[1]), u = product(way, sides[0]), v = product(way, sides[1]),
+                        first = u * c - v * b, second = v * a - u * b;
         if (a * c != b * b && first >= 0 && second >= 0) {
           ExactPoint inside;
           for (size_t k = 0; k < 3; ++k) inside[k] = first * sides[0][k] + second * sides[1][k];
@@ -287,6 +292,76 @@ CoveringCounts CoveringJudge::expect(const FrameResult& found, Accuracy accuracy
   for (const auto& [key, pair] : pairs_)
     EXPECT_EQ(pair.kept, pair.count == 0 || (*pair.bits != 0 && !pair.meshes_cross) ? 0u : 1u);
   if (is_complete) expect_nearer_contacts(counts);
+  return counts;
+}
+
+/// From the feature along its mesh: from a corner along its sides; from a side along it, both ways, and to the opposite
+/// corners; on a face along two sides, both ways.
+std::vector<ExactPoint> CoveringJudge::directions_into(const Feature& feature) const {
+  std::vector<ExactPoint> directions;
+  const ExactPoint& at = points_[feature.vertices[0]];
+  for (size_t i = 1; i < feature.vertices.size(); ++i)
+    for (const ExactPoint& along : {points_[feature.vertices[i]] - at, at - points_[feature.vertices[i]]})
+      directions.push_back(along);
+  for (const uint32_t element : elements_at(feature))
+    for (const uint32_t v : vertices_of_[element])
+      if (!std::count(feature.vertices.begin(), feature.vertices.end(), v)) directions.push_back(points_[v] - at);
+  return directions;
+}
+
+void CoveringJudge::expect_normal(const std::array<Feature, 2>& touching, const Normal& normal,
+                                  CoveringCounts& counts) const {
+  const std::vector<ExactPoint> into[2] = {directions_into(touching[0]), directions_into(touching[1])};
+  const auto supports = [&](const ExactPoint& n) {
+    const auto against = [&](const ExactPoint& d, int side) { return side * sgn(product(n, d)) < 0; };
+    return std::none_of(into[0].begin(), into[0].end(), [&](const ExactPoint& d) { return against(d, 1); }) &&
+           std::none_of(into[1].begin(), into[1].end(), [&](const ExactPoint& d) { return against(d, -1); });
+  };
+  const auto supporting = [&](const ExactPoint& n) -> std::optional<ExactPoint> {
+    if (product(n, n) == 0) return std::nullopt;
+    if (supports(n)) return n;
+    const ExactPoint opposite = ExactPoint{} - n;
+    return supports(opposite) ? std::optional(opposite) : std::nullopt;
+  };
+  for (const size_t side : {1u, 0u})
+    for (const uint32_t element : elements_at(touching[side])) {
+      const auto& t = topology_.triangles[element];
+      const auto n = supporting(cross_product(points_[t[1]] - points_[t[0]], points_[t[2]] - points_[t[0]]));
+      if (!n) continue;
+      ++counts.faces;
+      for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(normal[k], (*n)[k].get_d() / length_of(*n), 1e-6) << k;
+      return;
+    }
+  std::vector<ExactPoint> all = into[0];
+  all.insert(all.end(), into[1].begin(), into[1].end());
+  if (std::none_of(all.begin(), all.end(), [&](const ExactPoint& a) {
+        return std::any_of(all.begin(), all.end(),
+                           [&](const ExactPoint& b) { return supporting(cross_product(a, b)).has_value(); });
+      }))
+    return;
+  ++counts.supports;
+  for (const int side : {0, 1})
+    for (const ExactPoint& d : into[side]) {
+      const double along = normal[0] * d[0].get_d() + normal[1] * d[1].get_d() + normal[2] * d[2].get_d();
+      EXPECT_GE(side == 0 ? along : -along, -1e-6 * length_of(d)) << "a direction of surface " << side;
+    }
+}
+
+CoveringCounts CoveringJudge::expect_normals(const FrameResult& found) const {
+  CoveringCounts counts;
+  const auto look = [&](QueryKind kind, const ContactSet& set) {
+    for (size_t i = 0; i < set.size(); ++i) {
+      Contact contact{kind, stencil_of(kind, set.elements[i]), 0, 0};
+      const JudgedFeatures truth = truth_of(contact);
+      if (truth.squared > 0) continue;
+      contact.features = truth.features;
+      SCOPED_TRACE((kind == QueryKind::kVertexTriangle ? "vertex " : "edge ") + std::to_string(set.elements[i][0]) +
+                   ", " + std::to_string(set.elements[i][1]));
+      expect_normal(named(contact, set.elements[i][1]), set.normals[i], counts);
+    }
+  };
+  look(QueryKind::kVertexTriangle, found.vertex_triangle);
+  look(QueryKind::kEdgeEdge, found.edge_edge);
   return counts;
 }
 

@@ -16,6 +16,7 @@ struct CoveringCounts {
   size_t shallow = 0, steep = 0;  ///< surfaces whose slope decides that a bit is unset or set
   size_t unsure = 0;              ///< features that only rounding tells from the judged ones
   size_t descents = 0, left_out = 0;
+  size_t faces = 0, supports = 0;  ///< normals at distance 0: of a triangle there, of two directions
 
   CoveringCounts& operator+=(const CoveringCounts& other);
 };
@@ -25,9 +26,11 @@ class CoveringJudge {
   /// The case has to be rounded to the scene's scalar type already.
   CoveringJudge(const Case& c, const Topology& topology);
 
-  /// Expects the features and flags of a frame of contacts with all columns. `told`: whether the scene's kinds have both
-  /// kinds of features. `is_complete`: no contact of its distance is missing.
+  /// Expects the features and flags of a frame of contacts with all columns. `told`: whether the scene's kinds have
+  /// both kinds of features. `is_complete`: no contact of its distance is missing.
   CoveringCounts expect(const FrameResult& found, Accuracy accuracy, bool has_both, bool is_complete);
+  /// Expects the normals of contacts at distance 0, where coordinates are small integers: what is not 0 is clear.
+  CoveringCounts expect_normals(const FrameResult& found) const;
 
  private:
   /// A vertex, an edge (two vertices) or the face of an element; vertices ascend.
@@ -70,6 +73,8 @@ class CoveringJudge {
   void expect_slopes(const Between& pair, uint8_t bits, CoveringCounts& counts) const;
   void expect_nearer_contacts(CoveringCounts& counts) const;
   double extent_of(const Contact& contact) const;
+  std::vector<ExactPoint> directions_into(const Feature& feature) const;
+  void expect_normal(const std::array<Feature, 2>& touching, const Normal& normal, CoveringCounts& counts) const;
   bool has_nearer(const Key& key, const Between& pair, int side, bool& is_left_out) const;
   uint32_t mesh_of(const Feature& feature) const { return mesh_of_vertex_[feature.vertices[0]]; }
 
@@ -77,9 +82,9 @@ class CoveringJudge {
   Positions positions_;
   std::vector<ExactPoint> points_;
   std::vector<uint32_t> mesh_of_vertex_;
-  std::vector<std::vector<uint32_t>> elements_of_;        ///< of each vertex
-  std::vector<std::vector<uint32_t>> vertices_of_;        ///< of each element, ascending, each once
-  std::map<std::array<uint32_t, 2>, bool> cross_;         ///< of two meshes
+  std::vector<std::vector<uint32_t>> elements_of_;  ///< of each vertex
+  std::vector<std::vector<uint32_t>> vertices_of_;  ///< of each element, ascending, each once
+  std::map<std::array<uint32_t, 2>, bool> cross_;   ///< of two meshes
   std::map<std::array<uint32_t, 4>, JudgedFeatures> truths_[2];
   std::map<Key, Between> pairs_;
 };

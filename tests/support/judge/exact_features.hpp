@@ -1,6 +1,6 @@
 #pragma once
-// On which features of a pair the closest points are, in rational arithmetic and without conditions of optimality: every
-// pair of hulls is minimised by itself, and distances are compared.
+// On which features of a pair the closest points are, in rational arithmetic and without conditions of optimality:
+// every pair of hulls is minimised by itself, and distances are compared.
 
 #include <cstdint>
 #include <optional>
