@@ -1,12 +1,13 @@
 #pragma once
-// Which contacts of a frame are covered: the surface beside their points comes clearly nearer, or an earlier contact has
-// the same two features. What is left has each local minimum of the distance once. Contacts are looked at in their
+// Which contacts of a frame are covered: the surface beside their points comes clearly nearer, or an earlier contact
+// has the same two features. What is left has each local minimum of the distance once. Contacts are looked at in their
 // order, as columns.
 //
 // Where two meshes cross, the minimum is where they do, which is neither a vertex and a triangle nor two edges: a
 // surface that comes nearer covers nothing there. One crossing that is not a mere touch tells that two meshes cross.
 
 #include "gpu/base/deviations.hpp"
+#include "gpu/base/key_set.hpp"
 #include "gpu/contacts/columns.hpp"
 #include "gpu/exec/counted.hpp"
 #include "gpu/narrow/closest_features.hpp"
@@ -115,7 +116,7 @@ struct OrderedContacts {
   COLLIDED_HD static uint64_t unordered(uint32_t a, uint32_t b) { return pack_ids(min(a, b), max(a, b)); }
 };
 
-/// Finds the features of each contact, and names the point on them where it is not the only nearest one.
+/// Finds the features of each contact.
 template <class Real>
 struct FindFeatures {
   OrderedContacts contacts;
@@ -135,6 +136,16 @@ struct FindFeatures {
   }
 };
 
+/// Puts the closest points, by their weights, on the features that are named: parallel edges have others as near.
+COLLIDED_HD inline void place_points(const VertexTriangle&, const Vec3<double> (&)[4], uint8_t, double*) {}
+COLLIDED_HD inline void place_points(const EdgeEdge&, const Vec3<double> (&p)[4], uint8_t bits, double* weights) {
+  const int first = bits & kOfFirstEdge, second = (bits & kOfSecondEdge) / 4;  // 0: inside, else the end
+  const bool is_there = (first == 0 || weights[0] == first - 1) && (second == 0 || weights[1] == second - 1);
+  if (is_there) return;
+  weights[0] = first > 0 ? first - 1 : closest_on_edge(second == 1 ? p[2] : p[3], p[0], p[1] - p[0]);
+  weights[1] = second > 0 ? second - 1 : closest_on_edge(first == 1 ? p[0] : p[1], p[2], p[3] - p[2]);
+}
+
 /// Says whether surfaces come nearer, and gives each contact the key that another one may have, too; slots become free.
 template <class Real>
 struct KeyContacts {
@@ -150,7 +161,11 @@ struct KeyContacts {
     contacts.use_features(i, [&](const auto& kind, uint64_t key) {
       uint8_t& features = contacts.columns.features[i];
       const uint8_t bits = features & (kOfTriangle | kOfFirstEdge | kOfSecondEdge | kFeaturesOpen);
-      features = static_cast<uint8_t>(bits | surfaces.nearer_beside(named_features(kind, kind.stencil(key), bits)));
+      const Stencil s = kind.stencil(key);
+      features = static_cast<uint8_t>(bits | surfaces.nearer_beside(named_features(kind, s, bits)));
+      if (!contacts.columns.weights.empty())
+        place_points(kind, {surfaces.at(s.v[0]), surfaces.at(s.v[1]), surfaces.at(s.v[2]), surfaces.at(s.v[3])}, bits,
+                     reinterpret_cast<double*>(contacts.columns.weights.data + i));
       keys[i] = contacts.key_of_features(kind, key, bits);
     });
     if (contacts.is_sure_crossing(i))

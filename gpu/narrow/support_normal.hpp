@@ -39,9 +39,8 @@ class SupportNormal {
       return false;
     };
     if (any_face(second_, take) || any_face(first_, take)) return found;
-    any_direction([&](const Vec3<double>& a) {
-      return any_direction([&](const Vec3<double>& b) { return take(a, b); });
-    });
+    any_direction(
+        [&](const Vec3<double>& a) { return any_direction([&](const Vec3<double>& b) { return take(a, b); }); });
     return found;
   }
 
@@ -126,8 +125,8 @@ COLLIDED_HD inline uint8_t snapped_features(const Vec3<double> (&x)[4], const Cl
 
 }  // namespace detail
 
-/// The normal of a contact of one frame whose points are not clearly apart, a unit vector; 0 if they are, or if there is
-/// none. `clear`: of what the features extend over.
+/// The normal of a contact of one frame whose points are not clearly apart, a unit vector; 0 if they are, or if there
+/// is none. `clear`: of what the features extend over.
 template <class Kind, class Real>
 COLLIDED_HD COLLIDED_CALLED Vec3<double> support_normal(const Surfaces<Real>& surfaces, const Kind& kind,
                                                         const Stencil& stencil, double clear) {

@@ -44,7 +44,8 @@ COLLIDED_HD inline NamedFeature named_on_edge(uint32_t from, uint32_t to, int en
   return end == 0 ? NamedFeature::side(from, to) : NamedFeature::corner(end == 1 ? from : to);
 }
 COLLIDED_HD inline NamedPair named_features(const EdgeEdge&, const Stencil& s, uint8_t bits) {
-  return {named_on_edge(s.v[0], s.v[1], bits & kOfFirstEdge), named_on_edge(s.v[2], s.v[3], (bits & kOfSecondEdge) / 4)};
+  return {named_on_edge(s.v[0], s.v[1], bits & kOfFirstEdge),
+          named_on_edge(s.v[2], s.v[3], (bits & kOfSecondEdge) / 4)};
 }
 
 /// The direction from the closest point of one feature to that of another.
@@ -88,9 +89,8 @@ struct Surfaces {
     if (at.count == 1) return fans.for_each(at.v[0], use);
     const bool is_second = fans.size(at.v[1]) < fans.size(at.v[0]);
     const uint32_t other = at.v[is_second ? 0 : 1];
-    fans.for_each(at.v[is_second ? 1 : 0], [&](const Vec3<uint32_t>& t) {
-      return (t.x != other && t.y != other && t.z != other) || use(t);
-    });
+    fans.for_each(at.v[is_second ? 1 : 0],
+                  [&](const Vec3<uint32_t>& t) { return (t.x != other && t.y != other && t.z != other) || use(t); });
   }
 
   /// Whether the surface comes clearly nearer beside the point of the first or the second feature: kNearerAtFirst,

@@ -3,6 +3,8 @@
 #include <functional>
 #include <string_view>
 
+#include "gpu/contacts/kinds.hpp"
+
 namespace collided {
 namespace {
 

@@ -287,7 +287,7 @@ struct WorkBuffers {
   Buffer<Path<Real>, Exec> paths;  ///< of each vertex, where records do not have them
   Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn or are thick
   Buffer<StepState, Exec> state;
-  Buffer<uint64_t, Exec> triangle_pairs;  ///< of one kind after the other
+  Buffer<uint64_t, Exec> triangle_pairs;                         ///< of one kind after the other
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   std::array<BlockingPairs<Exec>, kFeatureKinds> blocking;       ///< likewise; frames that advance
   FractionBuffers<Exec> ways;                                    ///< frames that advance
@@ -297,15 +297,15 @@ struct WorkBuffers {
   Buffer<Normal, Exec> normals;         ///< of the contacts as they were found
   ColumnBuffers<Exec> columns;          ///< in canonical order
   OrderBuffers<Exec> order;
-  Buffer<uint64_t, Exec> pair_keys;   ///< of each contact (narrow/covering.hpp); frames that tell features
-  Buffer<uint32_t, Exec> pair_slots;  ///< likewise
+  Buffer<uint64_t, Exec> pair_keys;    ///< of each contact (narrow/covering.hpp); frames that tell features
+  Buffer<uint32_t, Exec> pair_slots;   ///< likewise
   Buffer<Span<std::byte>, Exec> room;  ///< where contacts stay; frames that have such memory
   Buffer<ContactLayout, Exec> layout;  ///< of those there
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
   Buffer<PairHalves, Exec> exact_halves;  ///< of the keys; scenes with thick meshes
   Buffer<uint32_t, Exec> exact_ids;
-  Buffer<Vec3<Real>, Exec> sample;        ///< positions on their way to those who watch the scene
+  Buffer<Vec3<Real>, Exec> sample;  ///< positions on their way to those who watch the scene
 };
 
 template <Executor Exec, class Real>

@@ -105,8 +105,8 @@ struct LevelNeeds {
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings, const ContactRoom& room = {}) {
   LevelNeeds needs{settings, spec.kinds, spec.fields};
-  needs.tells_features = collided::tells_features(spec) && !needs.is_ccd() && needs.has_narrow_phase() &&
-                         settings.report == Report::kAll;
+  needs.tells_features =
+      collided::tells_features(spec) && !needs.is_ccd() && needs.has_narrow_phase() && settings.report == Report::kAll;
   needs.kinds.edge_triangle = !needs.is_ccd() && (spec.kinds.edge_triangle || needs.tells_features);
   needs.has_room = !room.memory.empty();
   if (!needs.has_room) return needs;

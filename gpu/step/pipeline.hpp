@@ -37,9 +37,9 @@ class Pipeline {
         candidates_(context_, boxes_, engines_, neighbours_, narrow_),
         contacts_(context_, run_, candidates_, narrow_),
         shorten_(context_),
-        cover_(context_),
+        cover_(exec, scene),
         placing_(exec, scene),
-        results_(exec, spec, scene, cover_, placing_),
+        results_(exec, spec, scene, placing_),
         planner_(spec, planned_scene()) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
     scene_.expected = spec.expected;

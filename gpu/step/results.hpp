@@ -48,12 +48,11 @@ struct HostNeeds {
 template <Executor Exec, class Real>
 class Results {
  public:
-  Results(Exec& exec, const SceneSpec& spec, SceneBuffers<Exec, Real>& scene, CoverPhase<Exec, Real>& cover,
-          Placing<Exec, Real>& placing)
+  Results(Exec& exec, const SceneSpec& spec, SceneBuffers<Exec, Real>& scene, Placing<Exec, Real>& placing)
       : exec_(exec),
         spec_(spec),
         scene_(scene),
-        cover_(cover),
+        cover_(exec, scene),
         placing_(placing),
         room_(std::make_shared<AnswerRoom>(spec.memory_quota,
                                            [&exec](uint64_t bytes) { return exec.host_block(bytes); })) {}
@@ -234,12 +233,14 @@ class Results {
     cover_.cover(needs_);
     for_each_kind(
         [&](ContactKind kind, ContactSet& set) {
-          const auto bring = [&](Column<uint8_t>& column, const Buffer<uint8_t, Exec>& resident) {
+          const auto bring = [&](auto& column, const auto& resident) {
             if (!column.empty())
-              exec_.download_async(column.data(), resident.data() + kinds.at[index_of(kind)], column.size());
+              exec_.download_async(column.data(), resident.data() + kinds.at[index_of(kind)],
+                                   column.size() * sizeof(*column.data()));
           };
           bring(set.features, scene_.columns.features);
           bring(set.flags, scene_.columns.flags);
+          bring(set.weights, scene_.columns.weights);
         },
         contacts());
     exec_.wait();
@@ -464,7 +465,7 @@ class Results {
   Exec& exec_;
   const SceneSpec& spec_;
   SceneBuffers<Exec, Real>& scene_;
-  CoverPhase<Exec, Real>& cover_;
+  CoverPhase<Exec, Real> cover_;
   Placing<Exec, Real>& placing_;
   const std::shared_ptr<AnswerRoom> room_;
   LevelNeeds needs_;

@@ -1,5 +1,7 @@
 #include "gpu/tables/tables.hpp"
 
+#include "gpu/contacts/kinds.hpp"
+
 namespace collided {
 namespace {
 

@@ -20,8 +20,9 @@ constexpr uint64_t kMaxFeatures = 1u << 29;
 /// The mesh of each element.
 std::vector<uint32_t> meshes_of_elements(const Topology& topology);
 
-/// Makes all tables but the rings and fans, and asks now and then whether to go on. Throws InvalidInput for an index out of
-/// range, an element with a vertex twice, and a mesh without vertices or without elements; one without both was cut.
+/// Makes all tables but the rings and fans, and asks now and then whether to go on. Throws InvalidInput for an index
+/// out of range, an element with a vertex twice, and a mesh without vertices or without elements; one without both was
+/// cut.
 FeatureTables make_features(const std::vector<MeshSpec>& meshes, Asks& asks);
 
 }  // namespace collided

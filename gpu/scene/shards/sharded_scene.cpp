@@ -91,7 +91,7 @@ class ShardedScene final : public Detector {
   SceneSpec spec_of_shard() const {
     SceneSpec spec = spec_;
     spec.part_devices = {};
-    spec.known = nullptr;      // which is of whole scenes
+    spec.known = nullptr;                                        // which is of whole scenes
     spec.fields = spec.fields.without(ContactField::kFeatures);  // see tells_features()
     spec.reuse = Reuse::kOff;  // lists hold for the pairs that were a shard's own when they were made
     const int threads = static_cast<int>(CpuLoops(spec.threads).threads());

@@ -185,7 +185,9 @@ TEST_F(Features, FlagNothingWhereAKindIsMissing) {
     ASSERT_EQ(whole.features.size(), set.features.size());
     for (size_t i = 0; i < set.size(); ++i) {
       EXPECT_EQ(0, set.flags[i] & kFlagCovered);
-      if (vertices) EXPECT_EQ(whole.features[i], set.features[i]);
+      if (vertices) {
+        EXPECT_EQ(whole.features[i], set.features[i]);
+      }
     }
   }
 }
