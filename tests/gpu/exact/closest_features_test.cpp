@@ -1,19 +1,18 @@
 // Tests on which features closest points are, in integers and in double precision, against a judge that has no
-// conditions of optimality: it minimises over the hull of every pair of features in rationals, and compares distances.
+// conditions of optimality.
 
 #include "gpu/exact/closest_features.hpp"
 
-#include <gmpxx.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <random>
-#include <vector>
+#include <string>
 
 #include "gpu/narrow/closest_features.hpp"
+#include "tests/support/judge/exact_features.hpp"
 
 namespace collided::test {
 namespace {
@@ -21,13 +20,13 @@ namespace {
 using Point = Vec3<double>;
 
 /// A stencil and its ids.
-struct Case {
+struct Stencil {
   ContactKind kind = ContactKind::kVertexTriangle;
   Point p[4];
   uint32_t id[4] = {0, 1, 2, 3};
 };
 
-std::string text(const Case& c) {
+std::string text(const Stencil& c) {
   std::string s = c.kind == ContactKind::kVertexTriangle ? "vertex, triangle\n" : "edge, edge\n";
   char line[160];
   for (int i = 0; i < 4; ++i) {
@@ -37,85 +36,16 @@ std::string text(const Case& c) {
   return s;
 }
 
-/// A feature of the first and one of the second: their vertices by number, and what the byte has for them.
-struct Pair {
-  std::vector<size_t> first, second;
-  uint8_t features;
-  std::vector<size_t> named;  ///< vertices that break ties
-};
-const std::vector<Pair> kOfVertexTriangle = {
-    {{0}, {1, 2, 3}, 0, {}}, {{0}, {2, 3}, 1, {2, 3}}, {{0}, {1, 3}, 2, {1, 3}}, {{0}, {1, 2}, 3, {1, 2}},
-    {{0}, {1}, 4, {1}},      {{0}, {2}, 5, {2}},       {{0}, {3}, 6, {3}},
-};
-const std::vector<Pair> kOfEdges = {
-    {{0, 1}, {2, 3}, 0, {}}, {{0}, {2, 3}, 1, {0}}, {{1}, {2, 3}, 2, {1}},
-    {{0, 1}, {2}, 4, {2}},   {{0}, {2}, 5, {0, 2}}, {{1}, {2}, 6, {1, 2}},
-    {{0, 1}, {3}, 8, {3}},   {{0}, {3}, 9, {0, 3}}, {{1}, {3}, 10, {1, 3}},
-};
-
-using Exact = std::array<mpq_class, 3>;
-Exact exact(const Point& p) { return {mpq_class(p.x), mpq_class(p.y), mpq_class(p.z)}; }
-Exact operator-(const Exact& a, const Exact& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-mpq_class product(const Exact& a, const Exact& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// The squared distance of both features' hulls, if it has one place and that is in the features.
-std::optional<mpq_class> squared_distance(const std::array<Exact, 4>& p, const Pair& pair) {
-  const Exact r = p[pair.first[0]] - p[pair.second[0]];
-  std::vector<Exact> way;  // r + sum of weights times ways is to be as short as possible
-  for (size_t i = 1; i < pair.first.size(); ++i) way.push_back(p[pair.first[i]] - p[pair.first[0]]);
-  for (size_t i = 1; i < pair.second.size(); ++i) way.push_back(p[pair.second[0]] - p[pair.second[i]]);
-  std::vector<mpq_class> weight(way.size());
-  if (way.size() == 1) {
-    const mpq_class length = product(way[0], way[0]);
-    if (length == 0) return std::nullopt;
-    weight[0] = -product(r, way[0]) / length;
-  } else if (way.size() == 2) {
-    const mpq_class a = product(way[0], way[0]), b = product(way[0], way[1]), c = product(way[1], way[1]),
-                    determinant = a * c - b * b, u = -product(r, way[0]), v = -product(r, way[1]);
-    if (determinant == 0) return std::nullopt;
-    weight[0] = (u * c - v * b) / determinant;
-    weight[1] = (a * v - b * u) / determinant;
-  }
-  mpq_class of_first = 0, of_second = 0;
-  for (size_t i = 0; i < weight.size(); ++i) {
-    if (weight[i] < 0) return std::nullopt;
-    (i + 1 < pair.first.size() ? of_first : of_second) += weight[i];
-  }
-  if (of_first > 1 || of_second > 1) return std::nullopt;
-  Exact d = r;
-  for (size_t i = 0; i < weight.size(); ++i)
-    for (size_t k = 0; k < 3; ++k) d[k] += weight[i] * way[i][k];
-  return product(d, d);
+QueryKind query_kind(ContactKind kind) {
+  return kind == ContactKind::kVertexTriangle ? QueryKind::kVertexTriangle : QueryKind::kEdgeEdge;
+}
+JudgedFeatures truth_of(const Stencil& c) {
+  const auto exact = [](const Point& p) { return exact_point({p.x, p.y, p.z}); };
+  return judge_features(query_kind(c.kind), {exact(c.p[0]), exact(c.p[1]), exact(c.p[2]), exact(c.p[3])},
+                        {c.id[0], c.id[1], c.id[2], c.id[3]});
 }
 
-struct Truth {
-  uint8_t features;
-  int ties;       ///< pairs of features with the least distance
-  bool is_equal;  ///< of them, several of the lowest dimension
-};
-
-Truth truth_of(const Case& c) {
-  const std::array<Exact, 4> p = {exact(c.p[0]), exact(c.p[1]), exact(c.p[2]), exact(c.p[3])};
-  const std::vector<Pair>& pairs = c.kind == ContactKind::kVertexTriangle ? kOfVertexTriangle : kOfEdges;
-  std::vector<std::pair<mpq_class, const Pair*>> found;
-  for (const Pair& pair : pairs)
-    if (const auto squared = squared_distance(p, pair)) found.emplace_back(*squared, &pair);
-  const mpq_class least = std::min_element(found.begin(), found.end())->first;
-  std::vector<std::pair<std::vector<size_t>, uint8_t>> best;  // dimension and ids, features
-  for (const auto& [squared, pair] : found) {
-    if (squared != least) continue;
-    std::vector<size_t> order;
-    for (const size_t i : pair->named) order.push_back(c.id[i]);
-    std::sort(order.begin(), order.end());
-    order.insert(order.begin(), pair->first.size() + pair->second.size());
-    best.emplace_back(order, pair->features);
-  }
-  std::sort(best.begin(), best.end());
-  const auto equal = [&](const auto& other) { return other.first[0] == best[0].first[0]; };
-  return {best[0].second, static_cast<int>(best.size()), std::count_if(best.begin(), best.end(), equal) > 1};
-}
-
-FoundFeatures in_doubles(const Case& c) {
+FoundFeatures in_doubles(const Stencil& c) {
   return c.kind == ContactKind::kVertexTriangle ? closest_features<VertexTriangle>(c.p, c.id)
                                                 : closest_features<EdgeEdge>(c.p, c.id);
 }
@@ -126,8 +56,8 @@ struct Count {
 };
 
 /// Expects the truth, and says if double precision was certain of it.
-void expect_truth(const Case& c, Count& count) {
-  const Truth truth = truth_of(c);
+void expect_truth(const Stencil& c, Count& count) {
+  const JudgedFeatures truth = truth_of(c);
   ASSERT_EQ(exact_closest_features(c.kind, c.p, c.id), truth.features) << text(c);
   const FoundFeatures found = in_doubles(c);
   ASSERT_TRUE(!found.is_certain || found.features == truth.features) << text(c);
@@ -141,14 +71,14 @@ class AnyCases {
  public:
   explicit AnyCases(ContactKind kind) : kind_(kind) {}
 
-  Case any() {
-    Case c{kind_, {}};
+  Stencil any() {
+    Stencil c{kind_, {}};
     std::shuffle(std::begin(c.id), std::end(c.id), random_);
     return c;
   }
   /// Points of a lattice with `size` coordinates an axis.
-  Case of_lattice(int size) {
-    Case c = any();
+  Stencil of_lattice(int size) {
+    Stencil c = any();
     for (Point& p : c.p)
       for (double* x : {&p.x, &p.y, &p.z}) *x = integer(0, size - 1);
     return c;
@@ -167,7 +97,7 @@ class ClosestFeatures : public testing::TestWithParam<ContactKind> {
   bool is_triangle() const { return GetParam() == ContactKind::kVertexTriangle; }
   /// Every feature was the answer.
   void expect_all(const Count& count, int least) const {
-    for (const Pair& pair : is_triangle() ? kOfVertexTriangle : kOfEdges)
+    for (const FeaturePair& pair : feature_pairs(query_kind(GetParam())))
       EXPECT_GE(count.of[pair.features], least) << int{pair.features};
   }
 
@@ -180,7 +110,7 @@ TEST_P(ClosestFeatures, FullOfTies) {
   Count count;
   const int n = 12000;
   for (int i = 0; i < n; ++i) {
-    Case c = cases_.of_lattice(2 + i % 5);
+    Stencil c = cases_.of_lattice(2 + i % 5);
     const double unit = std::ldexp(1.0, cases_.integer(-300, 300));
     const Point offset = i % 2 == 0 ? Point{0, 0, 0} : Point{0x1p50, -0x1p47, 3};
     for (Point& p : c.p) p = unit * (p + offset);
@@ -198,7 +128,7 @@ TEST_P(ClosestFeatures, Flat) {
   Count count;
   const int n = 8000;
   for (int i = 0; i < n; ++i) {
-    Case c = cases_.of_lattice(5);
+    Stencil c = cases_.of_lattice(5);
     const int slope = cases_.integer(0, 2);
     for (Point& p : c.p) {
       if (i % 3 == 0) p.y = p.x;
@@ -217,7 +147,7 @@ TEST_P(ClosestFeatures, WithoutLengthOrArea) {
   Count count;
   const int n = 8000;
   for (int i = 0; i < n; ++i) {
-    Case c = cases_.of_lattice(3);
+    Stencil c = cases_.of_lattice(3);
     const Point way = c.p[1] - c.p[0];
     const auto along = [&](double at) { return at * way; };
     const double a = cases_.integer(-2, 2), b = cases_.integer(-2, 2);
@@ -243,7 +173,7 @@ TEST(ClosestFeaturesOfLooseElements, HaveOneName) {
   Count count;
   const int n = 6000;
   for (int i = 0; i < n; ++i) {
-    Case c = cases.of_lattice(4);
+    Stencil c = cases.of_lattice(4);
     if (i % 2 == 0)
       for (Point& p : c.p) p = cases.point() + Point{1e3, 0, 0};
     c.p[3] = c.p[2], c.id[3] = c.id[2];
@@ -264,7 +194,7 @@ TEST_P(ClosestFeatures, OfAnySize) {
   Count ordinary, wide;
   const int n = 12000;
   for (int i = 0; i < n; ++i) {
-    Case c = cases_.any();
+    Stencil c = cases_.any();
     const double unit = std::ldexp(1.0, cases_.integer(-300, 300));
     const Point offset = i % 3 == 0 ? Point{0x1p30 * cases_.number(), 0x1p30, -0x1p30} : Point{0, 0, 0};
     const bool is_wide = i % 4 == 1;
@@ -285,7 +215,7 @@ TEST_P(ClosestFeatures, TurnedLattices) {
   Count count;
   const int n = 6000;
   for (int i = 0; i < n; ++i) {
-    Case c = cases_.of_lattice(3);
+    Stencil c = cases_.of_lattice(3);
     const double angle = cases_.number(), cosine = std::cos(angle), sine = std::sin(angle);
     for (Point& p : c.p) {
       p = {cosine * p.x - sine * p.y, sine * p.x + cosine * p.y, p.z};
@@ -304,7 +234,7 @@ TEST_P(ClosestFeatures, ExtremeNumbers) {
   const std::array<double, 9> values = {0, 0x1p-1074, -0x1p-1074, 0x1p-1022, 1e-200, -1, 1 + 0x1p-52, 1e150, -1e300};
   Count count;
   for (int i = 0; i < 1500; ++i) {
-    Case c = cases_.any();
+    Stencil c = cases_.any();
     for (Point& p : c.p)
       for (double* x : {&p.x, &p.y, &p.z}) *x = values[static_cast<size_t>(cases_.integer(0, 8))];
     if (i % 2 == 0)
