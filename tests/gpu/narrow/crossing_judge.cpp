@@ -146,4 +146,18 @@ JudgedCrossings judge_crossings(const Surface& surface) {
   return judged;
 }
 
+std::map<PairKey, uint32_t> contour_ends(std::span<const std::array<uint32_t, 2>> crossings, const Topology& topology) {
+  std::map<std::array<uint32_t, 2>, std::vector<uint32_t>> triangles_of;
+  for (uint32_t t = 0; t < topology.triangles.size(); ++t)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t v = topology.triangles[t][k], w = topology.triangles[t][(k + 1) % 3];
+      triangles_of[{std::min(v, w), std::max(v, w)}].push_back(t);
+    }
+  std::map<PairKey, uint32_t> ends;
+  for (const auto& [edge, through] : crossings)
+    for (const uint32_t t : triangles_of[topology.edges[edge]])
+      ++ends[key_of(std::min(t, through), std::max(t, through))];
+  return ends;
+}
+
 }  // namespace collided::test

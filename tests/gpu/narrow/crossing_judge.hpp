@@ -1,7 +1,9 @@
 #pragma once
 // Finds the edges of a scene that go through triangles, in exact arithmetic on all pairs, without the engine.
 
+#include <map>
 #include <optional>
+#include <span>
 
 #include "tests/support/case_queries.hpp"
 
@@ -32,5 +34,9 @@ std::optional<bool> goes_through(const std::array<Vec3d, 2>& edge, const std::ar
 /// All pairs of an edge and a triangle with no common vertex. Ties are decided by the engine's own exact arithmetic,
 /// which tests/gpu/exact judges.
 JudgedCrossings judge_crossings(const Surface& surface);
+
+/// Each pair of triangles one of which has an edge that goes through the other, and how many such edges the two have:
+/// the ends of their part of the contour. `crossings` are edges and triangles.
+std::map<PairKey, uint32_t> contour_ends(std::span<const std::array<uint32_t, 2>> crossings, const Topology& topology);
 
 }  // namespace collided::test
