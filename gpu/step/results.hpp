@@ -394,11 +394,15 @@ class Results {
     return contact_normal<Kind>(FeaturePoints<double>{{p[0], p[1], p[2], p[3]}, {p[4], p[5], p[6], p[7]}}, toi, kClear);
   }
   void decide_triangles(const std::vector<uint64_t>& keys, ExactAnswer* answers) {
+    std::vector<uint32_t> common(keys.size());
     const auto corners = gather<6>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
-      exec_.for_each("gather_corners", keys.size(),
-                     GatherCorners<Real>{scene_.end.data(), scene_.topology.corners(), resident, out});
+      scene_.exact_ids.ensure(common.size());
+      exec_.for_each(
+          "gather_corners", keys.size(),
+          GatherCorners<Real>{scene_.end.data(), scene_.topology.corners(), resident, out, scene_.exact_ids.all()});
+      exec_.download(common.data(), scene_.exact_ids.data(), common.size() * sizeof(uint32_t));
     });
-    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_triangles_exactly(corners[i]); });
+    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_triangles_exactly(corners[i], common[i] != 0); });
   }
   void decide_crossings(const std::vector<uint64_t>& keys, EdgeTriangleVerdict* verdicts) {
     std::vector<uint32_t> ids(5 * keys.size());
