@@ -1,5 +1,6 @@
-// collidectl detect: whether meshes touch, or what one step between two frames of a mesh finds.
+// collidectl detect: whether meshes touch or intersect themselves, or what one step between two frames of a mesh finds.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -18,9 +19,11 @@
 #include "client/app/output/output.hpp"
 #include "client/app/report/contacts.hpp"
 #include "client/app/report/frame_line.hpp"
+#include "client/app/report/outcome.hpp"
 #include "client/app/report/text.hpp"
 #include "client/app/report/touching.hpp"
 #include "client/cli/commands.hpp"
+#include "client/cli/intersection/self_intersection.hpp"
 
 namespace collided::cli {
 
@@ -35,7 +38,7 @@ struct DetectOptions {
   std::string position_format = kAutomaticFormat;
   std::string out, vtp, ply;
   bool has_chosen_kinds = false;   ///< the command did, not the user
-  bool has_self_contacts = false;  ///< also with several meshes
+  bool has_self_contacts = false;  ///< also with several meshes; and whether they intersect themselves
   bool json = false;
 };
 
@@ -53,8 +56,8 @@ void find_frames(DetectOptions& options) {
   if (options.meshes.empty() && options.frames.size() == 1) options.meshes = std::exchange(options.frames, {});
 }
 
-/// Fills in what the user did not choose. Two frames have motion. Meshes that stand still are tested exactly, and
-/// triangles that cross count as well.
+/// Fills in what the user did not choose. Two frames have motion. Meshes that stand still are tested exactly, and what
+/// goes through each other counts as well.
 void choose_detection(const CLI::App& command, DetectOptions& options) {
   const auto is_given = [&](const char* option) { return command.get_option(option)->count() > 0; };
   DetectionOptions& detection = options.detection;
@@ -62,7 +65,7 @@ void choose_detection(const CLI::App& command, DetectOptions& options) {
   if (options.meshes.empty() || detection.mode == "ccd") return;
   if (!is_given("--accuracy")) detection.accuracy = "exact";
   options.has_chosen_kinds = !is_given("--kinds") && detection.accuracy == "exact";
-  if (options.has_chosen_kinds) detection.kinds = {"vt", "ee", "tt"};
+  if (options.has_chosen_kinds) detection.kinds = {"vt", "ee", "tt", "et"};
 }
 
 void check_usage(const DetectOptions& options) {
@@ -75,11 +78,13 @@ void check_usage(const DetectOptions& options) {
   if (mode == "ccd" && frames != 2)
     throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; what was given stands still");
   if (mode == "dcd" && frames == 2) throw UsageError("--mode dcd needs one frame; 2 were given");
+  if (options.has_self_contacts && frames == 2)
+    throw UsageError("--self tests meshes that stand still; two frames move");
   check_usage(options.detection);
   check_one_output(options.out, options.json);
   DetectionOptions located =
       options.detection;  // files of points leave out what has none, unless it is all that is asked
-  if (options.has_chosen_kinds) located.kinds = {"vt", "ee"};
+  if (options.has_chosen_kinds) located.kinds = {"vt", "ee", "et"};
   check_points(located, "--vtp", options.vtp);
   check_points(located, "--ply", options.ply);
   check_distinct({{"--out", options.out}, {"--vtp", options.vtp}, {"--ply", options.ply}});
@@ -96,6 +101,7 @@ std::string text_of(Json summary) {
   if (summary.contains("notes"))
     for (const Json& note : summary["notes"]) text += note.get<std::string>() + "\n";
   summary.erase("found"), summary.erase("notes"), summary.erase("touching");
+  summary.erase("self_intersections");
   return text + "\n" + report_text(summary);
 }
 
@@ -109,11 +115,12 @@ void print(const DetectOptions& options, const Json& summary) {
 using WriteContacts = void (*)(const std::string&, const client::FrameOutput&, const StepPositions&);
 
 /// Prints the result even if its files cannot be written.
-void report(const DetectOptions& options, Json summary, const client::FrameOutput& output, const StepInput& step) {
+void report(const DetectOptions& options, Json summary, const client::FrameOutput& output,
+            const StepPositions& positions) {
   std::exception_ptr failure;
   const auto write = [&](const char* name, const std::string& file, WriteContacts write_contacts) {
     if (file.empty()) return;
-    if (const auto why = failure_in([&] { write_contacts(file, output, {step.start, step.end}); }))
+    if (const auto why = failure_in([&] { write_contacts(file, output, positions); }))
       failure = why;
     else
       summary[name] = file;
@@ -129,15 +136,54 @@ bool has_files(const DetectOptions& options) {
   return !options.out.empty() || !options.vtp.empty() || !options.ply.empty();
 }
 
-/// Says in sentences what was found, and what the reader changed in the files.
-Json found_in_words(const StepInput& step, const std::vector<client::MeshInput>& meshes,
-                    const client::FrameOutput& output, const v1::SceneSpec& spec) {
-  const Touching touching{meshes, step.end, output, spec};
-  const bool stands_still = step.start.empty();
-  Json out = {{"found", stands_still ? touching_text(touching) : step_text(step.name, touching)}};
-  if (stands_still) out["touching"] = touching_json(touching);
-  if (!step.notes.empty()) out["notes"] = step.notes;
+/// Judges one mesh in a scene of its own, whatever the options say of contacts.
+SelfIntersection check_self(Connection& connection, const DetectOptions& options, const scenes::Mesh& mesh,
+                            client::Positions positions, bool is_double) {
+  v1::SceneSpec spec = scene_spec(options.server, self_detection(), choose_format(kAutomaticFormat, is_double));
+  ask_for_all_fields(spec);
+  const std::vector<scenes::Mesh> alone{mesh};
+  const std::vector<client::MeshInput> inputs = mesh_inputs(alone);
+  const SceneGuard scene = connection.create_scene(spec, inputs);
+  client::FrameStream stream = connection.stream(*scene);
+  const client::FrameOutput output = run_frame(stream, make_frame(alone, 1, spec, positions));
+  stream.finish();
+  return judge_self(inputs[0], positions, output);
+}
+
+/// What meshes that stand still are to themselves: one alone if its contacts tell, all of them with --self.
+std::vector<SelfIntersection> check_selves(Connection& connection, const DetectOptions& options, const StepInput& step,
+                                           const std::vector<client::MeshInput>& meshes,
+                                           const client::FrameOutput& output, const v1::SceneSpec& spec) {
+  const bool is_rounded = spec.position_format() != choose_format(kAutomaticFormat, step.is_double);
+  if (meshes.size() == 1 && !is_rounded && tells_self_intersection(spec, meshes[0]))
+    return {judge_self(meshes[0], step.end, output)};
+  std::vector<SelfIntersection> selves;
+  size_t first = 0;
+  for (const scenes::Mesh& mesh : step.meshes) {
+    if (!options.has_self_contacts) break;
+    const client::Positions positions = client::Positions(step.end).subspan(first, mesh.vertex_count);
+    selves.push_back(check_self(connection, options, mesh, positions, step.is_double));
+    first += mesh.vertex_count;
+  }
+  return selves;
+}
+
+/// Says in sentences what was found. What is said of one mesh and itself is the whole answer.
+Json found_in_words(const Touching& touching, const std::vector<SelfIntersection>& selves) {
+  std::string text = selves.size() == 1 && touching.meshes.size() == 1 ? "" : touching_text(touching);
+  for (const SelfIntersection& self : selves) text += (text.empty() ? "" : "\n") + self_text(self);
+  Json out = {{"found", text}, {"touching", touching_json(touching)}};
+  if (!selves.empty()) out["self_intersections"] = Json::array();
+  for (const SelfIntersection& self : selves) out["self_intersections"].push_back(self_json(self));
   return out;
+}
+
+/// Throws DoneBut for meshes that were to be free of self-intersection, and are not for sure.
+void check_free(const std::vector<SelfIntersection>& selves) {
+  const auto others = std::ranges::count_if(selves, [](const SelfIntersection& self) { return !self.is_free(); });
+  if (others > 0)
+    throw DoneBut(std::to_string(others) + " of " + std::to_string(selves.size()) +
+                  " meshes not shown to be free of self-intersection; the report says why");
 }
 
 void run(const DetectOptions& options) {
@@ -151,7 +197,8 @@ void run(const DetectOptions& options) {
   for (client::MeshInput& mesh : meshes) mesh.no_self_contacts = meshes.size() > 1 && !options.has_self_contacts;
   v1::SceneSpec spec =
       scene_spec(options.server, options.detection, choose_format(options.position_format, step.is_double));
-  if (has_files(options)) ask_for_all_fields(spec);
+  const bool stands_still = step.start.empty();
+  if (has_files(options) || stands_still) ask_for_all_fields(spec);  // which say where meshes meet
   grow_box(spec, step.start);
   grow_box(spec, step.end);
   v1::Frame frame = step_frame(step, 1, spec);
@@ -161,14 +208,20 @@ void run(const DetectOptions& options) {
   client::FrameStream stream = connection.stream(*scene);
   const client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
-  Json summary = found_in_words(step, meshes, output, spec);
+  const client::SceneFeatures features(stands_still ? meshes : std::vector<client::MeshInput>{});
+  const Touching touching{meshes, step.end, output, spec, features};
+  std::vector<SelfIntersection> selves;
+  if (stands_still) selves = check_selves(connection, options, step, meshes, output, spec);
+  Json summary = stands_still ? found_in_words(touching, selves) : Json{{"found", step_text(step.name, touching)}};
+  if (!step.notes.empty()) summary["notes"] = step.notes;
   summary["scene"] = scene_json(*scene);
   summary.update(found_json(output.done, spec));
   summary.update(advance_json(output));
   if (const auto contact = earliest_contact(output)) summary["earliest"] = *contact;
   summary.update(frame_json(output.done, spec.report()));
   summary.update(transport_json(stream));
-  report(options, std::move(summary), output, step);
+  report(options, std::move(summary), output, {step.start, step.end, asks_for_crossings(spec) ? &features : nullptr});
+  if (options.has_self_contacts) check_free(selves);
 }
 
 }  // namespace
@@ -181,8 +234,13 @@ void add_detect(CLI::App& app) {
       "of one mesh, as --frames does; one frame alone stands still, as a MESH does.\n"
       "\n"
       "  collidectl detect ball.ply box.obj\n"
+      "  collidectl detect --self body.stl && echo free of self-intersection\n"
       "  collidectl detect ball.ply box.obj --thickness 0.01 --out contacts.csv\n"
-      "  collidectl detect --frames before.ply after.ply");
+      "  collidectl detect --frames before.ply after.ply\n"
+      "\n"
+      "Exit codes: 0 done, whatever touches, 1 failure, 2 bad usage, 3 done, but with --self a mesh intersects itself "
+      "or\n"
+      "has parts that were not covered, 128 + n interrupted by signal n.");
   command.add_option("MESH", options->meshes, "Meshes of one scene: OBJ, PLY, STL, OFF, glTF, GLB or DAE")
       ->type_name("FILE");
   command
@@ -192,7 +250,8 @@ void add_detect(CLI::App& app) {
       ->expected(1, 2);
   command.add_flag(
       "--self", options->has_self_contacts,
-      "Several meshes: also test each against itself; neighbours that go through each other are found by the kind et");
+      "Tell whether each mesh is free of self-intersection, decided exactly; of several meshes, contacts of each with "
+      "itself count, too");
   add_detection_options(command, options->detection);
   add_half_thickness_option(command, options->detection);
   add_advance_options(command, options->detection);
@@ -203,13 +262,16 @@ void add_detect(CLI::App& app) {
       .add_option("--out", options->out,
                   "CSV file for the contacts, their weights, points and normals; -: standard output")
       ->type_name("FILE");
-  command.add_option("--vtp", options->vtp, "VTK file (PolyData) with a point for each contact, for ParaView")
+  command
+      .add_option("--vtp", options->vtp,
+                  "VTK file (PolyData) with a point for each contact and a line for each contour, for ParaView")
       ->type_name("FILE");
-  command.add_option("--ply", options->ply, "PLY file with a point for each contact")->type_name("FILE");
+  command.add_option("--ply", options->ply, "PLY file with a point for each contact, and edges along contours")
+      ->type_name("FILE");
   command.add_flag("--json", options->json, "Print the summary as one JSON object");
   command.get_option("--mode")->default_str("ccd with two frames, else dcd");
   command.get_option("--accuracy")->default_str("exact for what stands still, certified for two frames");
-  command.get_option("--kinds")->default_str("vt,ee,tt for what stands still, vt,ee for two frames");
+  command.get_option("--kinds")->default_str("vt,ee,tt,et for what stands still, vt,ee for two frames");
   command.callback([options, &command] {
     find_frames(*options);
     choose_detection(command, *options);

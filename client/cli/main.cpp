@@ -14,7 +14,7 @@
 #include "client/app/options/usage.hpp"
 #include "client/app/options/usage_error.hpp"
 #include "client/app/output/output.hpp"
-#include "client/cli/batch/outcome.hpp"
+#include "client/app/report/outcome.hpp"
 #include "client/cli/commands.hpp"
 #include "deploy/version/version.hpp"
 
@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
     return fail(e);
   } catch (const Interrupted& e) {
     return fail_after_output(128 + e.signal_number, e.what());
-  } catch (const PairsFailed& e) {
+  } catch (const DoneBut& e) {
     return fail_after_output(3, e.what());
   } catch (const std::exception& e) {
     return fail_after_output(1, e.what());

@@ -90,7 +90,7 @@ std::string pattern_of(const RenderOptions& options, int pictures) {
   return options.out;
 }
 
-/// Finds which triangles cross, exactly, in positions that need not be those of any frame.
+/// Finds which edges go through which triangles, exactly, in positions that need not be those of any frame.
 class CrossingFinder {
  public:
   CrossingFinder(Connection& connection, const RenderOptions& options, const Motion& motion)
@@ -100,14 +100,16 @@ class CrossingFinder {
         stream_(connection.stream(*scene_)) {}
   client::Contacts find(client::Positions positions) {
     client::FrameOutput output = run_frame(stream_, make_frame(motion_.meshes, ++frame_, spec_, positions));
-    return std::move(output.triangle_triangle);
+    return std::move(output.edge_triangle);
   }
 
  private:
   static v1::SceneSpec spec_of(const ServerOptions& server) {
     DetectionOptions exact;
-    exact.mode = "dcd", exact.accuracy = "exact", exact.kinds = {"tt"};
-    return scene_spec(server, exact, v1::POSITION_FORMAT_F64);
+    exact.mode = "dcd", exact.accuracy = "exact", exact.kinds = {"et"};
+    v1::SceneSpec spec = scene_spec(server, exact, v1::POSITION_FORMAT_F64);
+    ask_for_all_fields(spec);
+    return spec;
   }
 
   const Motion& motion_;
@@ -185,9 +187,9 @@ class Renderer {
               std::optional<uint64_t> crossings) const {
     const v1::SceneSpec& spec = scene_->spec();
     if (!options_.json)
-      print_summary(out, (is_standard_output(out) ? "" : out + ": ") + frame_text(output.done, spec) +
-                             (crossings ? ", " + std::to_string(*crossings) + " pairs of triangles that cross" : "") +
-                             "\n");
+      print_summary(
+          out, (is_standard_output(out) ? "" : out + ": ") + frame_text(output.done, spec) +
+                   (crossings ? ", " + std::to_string(*crossings) + " crossings of edges and triangles" : "") + "\n");
     Json json = {{"frame", output.frame_id}};
     if (!motion_.files.empty()) json["file"] = motion_.files[static_cast<size_t>(last)];
     json["out"] = out;
@@ -268,7 +270,8 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       ->check(finite())
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command.add_flag("--crossings", options.has_crossings, "Also mark where triangles cross, decided exactly");
+  command.add_flag("--crossings", options.has_crossings,
+                   "Also draw the contours along which triangles cross, neighbours too, decided exactly");
 }
 
 }  // namespace
@@ -278,9 +281,8 @@ void add_render(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("render", "Draw meshes with their contacts marked, as PNG");
   command.footer(
       "Contacts of vertices with triangles are vermilion balls and tint the triangle, contacts of edges are blue\n"
-      "crosses, crossings of triangles purple lines; marks behind a surface shine through it. Each contact is where "
-      "it\n"
-      "happens, at its own time. No display is needed.\n"
+      "crosses, contours along which triangles cross purple lines; marks behind a surface shine through it. Each\n"
+      "contact is where it happens, at its own time. No display is needed.\n"
       "\n"
       "  collidectl render ball.ply box.obj --thickness 0.01\n"
       "  collidectl render --frames frame_0092.ply frame_0093.ply --zoom-contacts\n"

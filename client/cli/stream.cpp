@@ -113,11 +113,14 @@ void record(FrameSource& source, RecordingWriter& recording) {
 /// Writes the contacts of each answer.
 class ContactWriter {
  public:
-  explicit ContactWriter(Play& played) : played_(played), files_(played.options.contacts) {}
+  ContactWriter(Play& played, const std::vector<client::MeshInput>& meshes)
+      : played_(played), files_(played.options.contacts) {
+    if (asks_for_crossings(played.spec)) scene_.emplace(meshes);
+  }
   void add(const client::FrameOutput& output) {
     std::vector<scenes::Vec3d> end = std::move(played_.in_flight.front());
     played_.in_flight.pop_front();
-    files_.add(output, {last_, end});
+    files_.add(output, {last_, end, scene_ ? &*scene_ : nullptr});
     if (played_.spec.mode() != v1::DETECTION_MODE_DCD) last_ = std::move(end);
   }
   void finish() { files_.finish(); }
@@ -125,6 +128,7 @@ class ContactWriter {
  private:
   Play& played_;
   ContactFiles files_;
+  std::optional<client::SceneFeatures> scene_;
   std::vector<scenes::Vec3d> last_;  ///< where the next step starts; the first one stands still
 };
 
@@ -151,7 +155,7 @@ void play_into_files(client::FrameStream& stream, const v1::Scene& scene, const 
                   .json = options.json,
                   .out = options.contacts.csv};
   if (!options.contacts.is_empty()) {
-    contacts.emplace(played);
+    contacts.emplace(played, meshes);
     how.take = [&](const client::FrameOutput& output) { contacts->add(output); };
   }
   const auto finish = [&] {

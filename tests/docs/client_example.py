@@ -75,6 +75,21 @@ v1::Scene make(const v1::SceneSpec& spec, std::span<const MeshInput> meshes, con
   return scene;
 }
 
+void show_contours(Client& client, std::span<const MeshInput> meshes) {
+  v1::SceneSpec spec;
+  spec.set_mode(v1::DETECTION_MODE_DCD);
+  spec.add_kinds(v1::CONTACT_KIND_EDGE_TRIANGLE);
+  spec.add_fields(v1::CONTACT_FIELD_ELEMENTS);
+  spec.add_fields(v1::CONTACT_FIELD_WEIGHTS);
+  FrameStream stream = client.stream(client.create_scene(spec, meshes));
+  const FrameUpdate update{.mesh = 0, .positions = std::as_bytes(std::span(after))};
+  stream.send(1, {&update, 1});
+  const FrameOutput output = stream.receive();
+  std::vector<std::array<double, 3>> positions(vertices);
+  for (size_t i = 0; i < after.size(); ++i) positions[i / 3][i % 3] = after[i];
+@contours@
+}
+
 void step_together(Client& client, const v1::SceneSpec& spec, std::span<const MeshInput> meshes) {
   std::vector<float> positions;
   for (int world = 0; world < 1000; ++world) positions.insert(positions.end(), before.begin(), before.end());
@@ -117,6 +132,7 @@ int main(int argc, char**) {
   call_back(spec, {&mesh, 1}, before);
   const v1::Scene scene = make(spec, {&mesh, 1}, before, 1);
   Client client = Client::connect(address, options);
+  show_contours(client, {&mesh, 1});
   step_together(client, spec, {&mesh, 1});
   share(client, scene, 2);
   go_on(scene, 5);
@@ -124,12 +140,12 @@ int main(int argc, char**) {
 """
 
 repository, output = map(pathlib.Path, sys.argv[1:])
-session, callback, first, sets, second, here, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
+session, callback, first, contours, sets, second, here, third = Page(repository / "client" / "cpp" / "README.md").blocks("cpp")
 for text, part in ((first, TO_ANOTHER_HOST), (session, SESSION_THERE)):
     if part not in text:
         sys.exit(f"the C++ of client/cpp/README.md lacks {part}")
 program = PROGRAM
-for name, text in (("callback", callback), ("here", here), ("first", first), ("sets", sets), ("second", second), ("third", third),
+for name, text in (("callback", callback), ("here", here), ("first", first), ("contours", contours), ("sets", sets), ("second", second), ("third", third),
                    ("session here", session.replace(SESSION_THERE, "Session::open(address, spec, meshes)")),
                    ("first here", first.replace(TO_ANOTHER_HOST, "Client::connect(address, options)"))):
     program = program.replace(f"@{name}@", text)

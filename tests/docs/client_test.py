@@ -20,6 +20,7 @@ SAID = """\
 session: frame 1
 callback: frame 1
 first, shared memory: 0 vertex-triangle contacts
+2 points, open
 shared, shared memory: 1 vertex-triangle contacts
 frame 3, shared memory: 1 vertex-triangle contacts
 frame 4, shared memory: 1 vertex-triangle contacts

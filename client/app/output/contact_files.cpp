@@ -16,9 +16,9 @@ void check_points(const DetectionOptions& detection, const char* option, const s
   const auto has = [&](const char* kind) {
     return std::count(detection.kinds.begin(), detection.kinds.end(), kind) > 0;
   };
-  if (detection.accuracy == "candidates" || has("tt") || has("et"))
+  if (detection.accuracy == "candidates" || has("tt"))
     throw UsageError(std::string(option) +
-                     " needs contact points, which --accuracy candidates and --kinds tt and et do not have");
+                     " needs contact points, which --accuracy candidates and --kinds tt do not have");
 }
 
 void check_files(const DetectionOptions& detection, const ContactFileNames& names) {

@@ -2,9 +2,8 @@
 
 #include "client/app/output/contact_points.hpp"
 
-#include <grpcpp/support/status_code_enum.h>
+#include <algorithm>
 
-#include "client/cpp/error.hpp"
 #include "client/scenes/vec3.hpp"
 #include "collided/v1/scene.pb.h"
 
@@ -24,24 +23,28 @@ Point in_triangle(const std::array<Point, 4>& x, const std::array<double, 2>& w)
 
 }  // namespace
 
-uint32_t checked_id(const char* what, uint32_t id, size_t count) {
-  if (id < count) return id;
-  throw client::Error(grpc::DATA_LOSS, std::string("the daemon's contacts name ") + what + " " + std::to_string(id) +
-                                           "; the scene has " + std::to_string(count));
-}
-
 std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::Contacts& contacts, size_t i,
                                             const StepPositions& positions) {
-  if (contacts.weights.empty() || contacts.stencils.empty()) return {};
+  if (contacts.weights.empty()) return {};
+  if (kind == v1::CONTACT_KIND_EDGE_TRIANGLE) {
+    if (positions.scene == nullptr || contacts.elements.empty()) return {};
+    const Point point = client::crossing_point(contacts, i, *positions.scene, positions.end);
+    return ContactPoints{point, point};
+  }
+  if (contacts.stencils.empty()) return {};
   const bool moves = !positions.start.empty() && !contacts.toi.empty();
   std::array<Point, 4> x;
   for (size_t k = 0; k < x.size(); ++k) {
-    const uint32_t vertex = checked_id("vertex", contacts.stencils[i][k], positions.end.size());
+    const uint32_t vertex = client::checked_id("vertex", contacts.stencils[i][k], positions.end.size());
     x[k] = moves ? between(positions.start[vertex], positions.end[vertex], contacts.toi[i]) : positions.end[vertex];
   }
   const auto& w = contacts.weights[i];
   if (kind == v1::CONTACT_KIND_VERTEX_TRIANGLE) return ContactPoints{x[0], in_triangle(x, w)};
   return ContactPoints{between(x[0], x[1], w[0]), between(x[2], x[3], w[1])};
+}
+
+bool asks_for_crossings(const v1::SceneSpec& spec) {
+  return std::ranges::count(spec.kinds(), int{v1::CONTACT_KIND_EDGE_TRIANGLE}) > 0;
 }
 
 void ask_for_all_fields(v1::SceneSpec& spec) {

@@ -3,27 +3,29 @@
 
 #include <optional>
 
+#include "client/cpp/contours.hpp"
 #include "client/cpp/frame_stream.hpp"
-#include "client/cpp/positions.hpp"
 
 namespace collided::cli {
 
 /// Positions of all vertices of a scene, at both ends of a step.
 struct StepPositions {
-  client::Positions start, end;  ///< DCD has no start
+  client::Positions start, end;                  ///< DCD has no start
+  const client::SceneFeatures* scene = nullptr;  ///< borrowed; without it edge-triangle contacts have no points
 };
 
 struct ContactPoints {
   std::array<double, 3> first{}, second{};
 };
 
-/// `id`, a vertex's or an element's as `what` says. Throws client::Error, DATA_LOSS, unless it is below `count`.
-uint32_t checked_id(const char* what, uint32_t id, size_t count);
-
-/// Of contact `i`, by the formula of proto/CONVENTIONS.md. Nothing if its weights were not computed.
-/// Throws as checked_id() for a vertex that the scene does not have.
+/// Returns the points of contact `i`, by the formula of proto/CONVENTIONS.md; of an edge-triangle contact both are the
+/// same. Returns nothing if its weights were not computed. Throws as client::checked_id() for ids that the scene does
+/// not have.
 std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::Contacts& contacts, size_t i,
                                             const StepPositions& positions);
+
+/// True if the spec asks for edge-triangle contacts, whose points need the features of the scene.
+bool asks_for_crossings(const v1::SceneSpec& spec);
 
 /// Every field of a contact, for SceneSpec.fields.
 void ask_for_all_fields(v1::SceneSpec& spec);

@@ -57,10 +57,10 @@ void write(NumberFile& rows, const Row& row, const TextColumn<Entry>& column) {
 }
 
 /// The words of every combination of flags, such as "certified|initial".
-std::array<std::string, 32> all_flag_texts() {
-  std::array<std::string, 32> texts;
-  for (uint8_t flags = 0; flags < texts.size(); ++flags)
-    for (const std::string_view word : flag_words(flags))
+std::array<std::string, 256> all_flag_texts() {
+  std::array<std::string, 256> texts;
+  for (size_t flags = 0; flags < texts.size(); ++flags)
+    for (const std::string_view word : flag_words(static_cast<uint8_t>(flags)))
       texts[flags] += (texts[flags].empty() ? "" : "|") + std::string(word);
   return texts;
 }
@@ -69,7 +69,7 @@ void write(NumberFile& rows, const Row& row, const FlagsColumn& column) {
   static const auto kTexts = all_flag_texts();
   const std::vector<uint8_t>& flags = row.contacts.*column.values;
   rows.text(",");
-  if (!flags.empty()) rows.text(kTexts[flags[row.i] % kTexts.size()]);
+  if (!flags.empty()) rows.text(kTexts[flags[row.i]]);
 }
 
 void write(NumberFile& rows, const Row& row, const PointsColumn&) {

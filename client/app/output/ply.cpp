@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "client/app/output/contour_lines.hpp"
 #include "client/app/output/located.hpp"
 #include "client/app/output/number_file.hpp"
 #include "client/app/output/paraview.hpp"
@@ -69,23 +70,50 @@ void write(NumberFile& out, const LocatedContact& contact, const KindColumn&) {
   out.text(" ").number(static_cast<int>(contact.kind));
 }
 
+void write_point(NumberFile& out, const scenes::Vec3d& point) {
+  out.number(point[0]).text(" ").number(point[1]).text(" ").number(point[2]);
+}
+
 void write_row(NumberFile& out, const LocatedContact& contact) {
-  out.number(contact.points.first[0]).text(" ").number(contact.points.first[1]).text(" ");
-  out.number(contact.points.first[2]);
+  write_point(out, contact.points.first);
   for_each_text_column(kColumns, [&](const auto& column) { write(out, contact, column); });
   out.text("\n");
+}
+
+/// A point that is no contact: all other properties are 0.
+void write_corner(NumberFile& out, const scenes::Vec3d& corner) {
+  write_point(out, corner);
+  const auto add_zeros = [&](const auto& column) {
+    if constexpr (requires { column.names; })
+      for (size_t i = 0; i <= static_cast<size_t>(std::ranges::count(column.names, ',')); ++i) out.text(" 0");
+    else
+      out.text(" 0");
+  };
+  for_each_text_column(kColumns, add_zeros);
+  out.text("\n");
+}
+
+void write_edges(NumberFile& out, const ContourLines& lines) {
+  for (const std::vector<size_t>& line : lines.points)
+    for (size_t i = 1; i < line.size(); ++i) out.number(line[i - 1]).text(" ").number(line[i]).text("\n");
 }
 
 }  // namespace
 
 void write_ply(const std::string& file, const client::FrameOutput& output, const StepPositions& positions) {
-  size_t count = 0;
-  for_each_located(output, positions, [&](const LocatedContact&) { ++count; });
+  const ContourLines lines(output, positions);
   NumberFile out(file);
-  out.text("ply\nformat ascii 1.0\ncomment contacts found by collided\nelement vertex ").number(count).text("\n");
+  out.text("ply\nformat ascii 1.0\ncomment contacts found by collided\nelement vertex ");
+  out.number(lines.contact_count + lines.corners.size()).text("\n");
   declare_all(out);
+  if (positions.scene != nullptr) {
+    out.text("element edge ").number(lines.segment_count()).text("\n");
+    for (const std::string_view end : {"vertex1", "vertex2"}) declare(out, "int", end);
+  }
   out.text("end_header\n");
   for_each_located(output, positions, [&](const LocatedContact& contact) { write_row(out, contact); });
+  for (const scenes::Vec3d& corner : lines.corners) write_corner(out, corner);
+  write_edges(out, lines);
   out.finish();
 }
 

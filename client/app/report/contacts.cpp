@@ -14,17 +14,17 @@ constexpr std::pair<v1::ContactFlag, std::string_view> kFlagWords[] = {
     {v1::CONTACT_FLAG_CAPPED, "capped"},         {v1::CONTACT_FLAG_INITIAL, "initial"},
     {v1::CONTACT_FLAG_SEPARATING, "separating"}, {v1::CONTACT_FLAG_TOUCHING, "touching"}};
 
+}  // namespace
+
 Json contact_json(const std::string& kind, const client::Contacts& contacts, size_t i) {
   Json out = {{"kind", kind}};
   if (!contacts.elements.empty()) out["elements"] = contacts.elements[i];
   if (!contacts.stencils.empty()) out["stencil"] = contacts.stencils[i];
-  out["toi"] = contacts.toi[i];
+  if (!contacts.toi.empty()) out["toi"] = contacts.toi[i];
   if (!contacts.distance.empty()) out["distance"] = contacts.distance[i];
   if (!contacts.flags.empty()) out["flags"] = flag_words(contacts.flags[i]);
   return out;
 }
-
-}  // namespace
 
 std::vector<std::string_view> flag_words(uint8_t flags) {
   std::vector<std::string_view> words;

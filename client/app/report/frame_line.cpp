@@ -2,8 +2,7 @@
 
 #include "client/app/report/frame_line.hpp"
 
-#include <algorithm>
-
+#include "client/app/output/contact_points.hpp"
 #include "client/app/report/numbers.hpp"
 
 namespace collided::cli {
@@ -14,10 +13,6 @@ bool is_counted(const v1::SceneSpec& spec) { return spec.report() != v1::REPORT_
 
 bool has_candidates(const v1::FrameDone& done, const v1::SceneSpec& spec) {
   return done.contact_count() > 0 ? !done.any_contact() : spec.accuracy() == v1::ACCURACY_CANDIDATES;
-}
-
-bool has_crossings(const v1::SceneSpec& spec) {
-  return std::ranges::count(spec.kinds(), int{v1::CONTACT_KIND_EDGE_TRIANGLE}) > 0;
 }
 
 bool has_shortened(const client::FrameOutput& output) { return output.advance.mode != v1::ADVANCE_MODE_ALL_OR_ONE; }
@@ -52,7 +47,7 @@ std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec) {
   return std::to_string(done.contact_count()) + (has_candidates(done, spec) ? " candidates (" : " contacts (") +
          std::to_string(found.vertex_triangle) + " vt, " + std::to_string(found.edge_edge) + " ee, " +
          std::to_string(found.triangle_triangle) + " tt" +
-         (has_crossings(spec) ? ", " + std::to_string(found.edge_triangle) + " et)" : ")") +
+         (asks_for_crossings(spec) ? ", " + std::to_string(found.edge_triangle) + " et)" : ")") +
          (has_times(done, spec) ? ", earliest " + format_double("%.6g", done.earliest_toi()) : "") + time;
 }
 

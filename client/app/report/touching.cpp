@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "client/app/output/contact_points.hpp"
 #include "client/app/report/frame_line.hpp"
+#include "client/app/report/meetings.hpp"
 #include "client/app/report/numbers.hpp"
 
 namespace collided::cli {
@@ -16,58 +16,54 @@ namespace {
 
 using Pair = std::pair<size_t, size_t>;
 
-/// The mesh that an id belongs to. `ends`: the first id behind each mesh. Throws client::Error (DATA_LOSS) for an id
-/// that the scene does not have.
-size_t mesh_of(uint32_t id, const std::vector<uint64_t>& ends) {
-  checked_id("id", id, ends.empty() ? 0 : ends.back());
-  return static_cast<size_t>(std::upper_bound(ends.begin(), ends.end(), uint64_t{id}) - ends.begin());
-}
-
-struct Ends {
-  std::vector<uint64_t> vertices, elements;
-
-  explicit Ends(std::span<const client::MeshInput> meshes) {
-    uint64_t vertex = 0, element = 0;
-    for (const client::MeshInput& mesh : meshes) {
-      vertices.push_back(vertex += mesh.vertex_count);
-      elements.push_back(element += mesh.triangles.size() + mesh.edges.size() + mesh.points.size());
-    }
-  }
+/// What was found between two meshes, or a mesh and itself.
+struct Found {
+  client::PerKind<uint64_t> counts;
+  MeetingCounts meetings;
+  std::vector<size_t> crossings;  ///< the first edge-triangle contacts, at most kMaxListed
 };
 
-/// The first edge behind each mesh. Two elements of a mesh may share an edge, which counts once.
-std::vector<uint64_t> edge_ends(std::span<const client::MeshInput> meshes) {
-  std::vector<uint64_t> ends;
-  uint64_t end = 0;
-  std::vector<std::pair<uint32_t, uint32_t>> edges;
-  for (const client::MeshInput& mesh : meshes) {
-    edges.clear();
-    for (const auto& t : mesh.triangles)
-      for (size_t k = 0; k < 3; ++k) edges.emplace_back(std::minmax(t[k], t[(k + 1) % 3]));
-    for (const auto& e : mesh.edges) edges.emplace_back(std::minmax(e[0], e[1]));
-    std::ranges::sort(edges);
-    ends.push_back(end += static_cast<uint64_t>(std::unique(edges.begin(), edges.end()) - edges.begin()));
-  }
-  return ends;
+/// The distance up to which two meshes are in contact; a mesh and itself, if both are the same.
+double contact_distance(const Touching& touching, const Pair& pair) {
+  return touching.spec.thickness() + touching.meshes[pair.first].half_thickness +
+         touching.meshes[pair.second].half_thickness;
 }
 
-/// Contacts of each kind between two meshes.
-std::map<Pair, client::PerKind<uint64_t>> count_pairs(const Touching& touching) {
-  std::map<Pair, client::PerKind<uint64_t>> pairs;
-  const Ends ends(touching.meshes);
-  const auto add = [&](size_t a, size_t b, uint64_t client::PerKind<uint64_t>::*kind) {
-    ++(pairs[std::minmax(a, b)].*kind);
+/// The meshes of both features.
+Pair meshes_of(v1::ContactKind kind, const client::Contacts& contacts, size_t i, const client::SceneFeatures& scene) {
+  switch (kind) {
+    case v1::CONTACT_KIND_TRIANGLE_TRIANGLE:
+      return {scene.mesh_of_element(contacts.elements[i][0]), scene.mesh_of_element(contacts.elements[i][1])};
+    case v1::CONTACT_KIND_EDGE_TRIANGLE:
+      return {scene.mesh_of_edge(contacts.elements[i][0]), scene.mesh_of_element(contacts.elements[i][1])};
+    default:
+      const size_t second = kind == v1::CONTACT_KIND_EDGE_EDGE ? 2 : 1;
+      return {scene.mesh_of_vertex(contacts.stencils[i][0]), scene.mesh_of_vertex(contacts.stencils[i][second])};
+  }
+}
+
+/// Contacts between any two meshes.
+std::map<Pair, Found> find_pairs(const Touching& touching) {
+  std::map<Pair, Found> pairs;
+  const bool is_exact = touching.spec.accuracy() == v1::ACCURACY_EXACT;
+  const auto add = [&](v1::ContactKind kind, const client::Contacts& contacts, auto count) {
+    const bool is_crossing = kind == v1::CONTACT_KIND_EDGE_TRIANGLE;
+    const bool has_stencils = kind == v1::CONTACT_KIND_VERTEX_TRIANGLE || kind == v1::CONTACT_KIND_EDGE_EDGE;
+    const size_t known = has_stencils ? contacts.stencils.size() : contacts.elements.size();
+    for (size_t i = 0; i < known; ++i) {
+      const auto [a, b] = meshes_of(kind, contacts, i, touching.scene);
+      const Pair pair = std::minmax(a, b);
+      Found& found = pairs[pair];
+      ++(found.counts.*count);
+      if (is_crossing && found.crossings.size() < kMaxListed) found.crossings.push_back(i);
+      const bool is_surely_near = is_exact && contact_distance(touching, pair) == 0;
+      if (is_crossing || (is_surely_near && has_stencils)) found.meetings.add(kind, contacts, i);
+    }
   };
-  for (const auto& v : touching.output.vertex_triangle.stencils)
-    add(mesh_of(v[0], ends.vertices), mesh_of(v[1], ends.vertices), &client::PerKind<uint64_t>::vertex_triangle);
-  for (const auto& v : touching.output.edge_edge.stencils)
-    add(mesh_of(v[0], ends.vertices), mesh_of(v[2], ends.vertices), &client::PerKind<uint64_t>::edge_edge);
-  for (const auto& e : touching.output.triangle_triangle.elements)
-    add(mesh_of(e[0], ends.elements), mesh_of(e[1], ends.elements), &client::PerKind<uint64_t>::triangle_triangle);
-  if (touching.output.edge_triangle.elements.empty()) return pairs;
-  const std::vector<uint64_t> edges = edge_ends(touching.meshes);
-  for (const auto& e : touching.output.edge_triangle.elements)
-    add(mesh_of(e[0], edges), mesh_of(e[1], ends.elements), &client::PerKind<uint64_t>::edge_triangle);
+  client::for_each_kind(add, touching.output,
+                        client::PerKind<uint64_t client::PerKind<uint64_t>::*>{
+                            &client::PerKind<uint64_t>::vertex_triangle, &client::PerKind<uint64_t>::edge_edge,
+                            &client::PerKind<uint64_t>::triangle_triangle, &client::PerKind<uint64_t>::edge_triangle});
   return pairs;
 }
 
@@ -97,10 +93,8 @@ std::string thickness_text(double distance) {
   return distance > 0 ? " at a thickness of " + format_double("%.6g", distance) : "";
 }
 
-/// The distance up to which two meshes are in contact; a mesh and itself, if both are the same.
 std::string distance_text(const Touching& touching, const Pair& pair) {
-  return thickness_text(touching.spec.thickness() + touching.meshes[pair.first].half_thickness +
-                        touching.meshes[pair.second].half_thickness);
+  return thickness_text(contact_distance(touching, pair));
 }
 
 /// Those of all pairs, which may differ.
@@ -117,6 +111,15 @@ std::string pair_text(const Touching& touching, const Pair& pair, bool touches) 
   const std::string& first = touching.meshes[pair.first].name;
   if (pair.first == pair.second) return first + (touches ? " touches itself" : " does not touch itself");
   return first + " and " + touching.meshes[pair.second].name + (touches ? " touch" : " do not touch");
+}
+
+/// A line on the edges of two meshes that go through triangles, if there are any.
+std::string crossings_text(const Touching& touching, const Found& found) {
+  if (found.crossings.empty()) return "";
+  const client::Contacts& crossings = touching.output.edge_triangle;
+  const MeetingPlace place{touching.meshes, touching.scene, touching.positions};
+  return "\n  " + meetings_text(found.meetings) +
+         "; the first: " + meeting_text(v1::CONTACT_KIND_EDGE_TRIANGLE, crossings, found.crossings[0], place);
 }
 
 struct Box {
@@ -156,9 +159,18 @@ std::string inside_text(const Touching& touching) {
 
 Json touching_json(const Touching& touching) {
   Json out = Json::array();
-  for (const auto& [pair, found] : count_pairs(touching))
-    out.push_back({{"meshes", {touching.meshes[pair.first].name, touching.meshes[pair.second].name}},
-                   {"contact_count", sum_of(found)}});
+  const MeetingPlace place{touching.meshes, touching.scene, touching.positions};
+  for (const auto& [pair, found] : find_pairs(touching)) {
+    Json& entry =
+        out.emplace_back(Json{{"meshes", {touching.meshes[pair.first].name, touching.meshes[pair.second].name}},
+                              {"contact_count", sum_of(found.counts)}});
+    if (!asks_for_crossings(touching.spec)) continue;
+    entry.update(meeting_counts_json(found.meetings));
+    entry["crossings"] = Json::array();
+    for (const size_t i : found.crossings)
+      entry["crossings"].push_back(
+          meeting_json(v1::CONTACT_KIND_EDGE_TRIANGLE, touching.output.edge_triangle, i, place));
+  }
   return out;
 }
 
@@ -169,14 +181,14 @@ std::string touching_text(const Touching& touching) {
   if (!touching.output.done.any_contact())
     return (meshes <= 2 ? pair_text(touching, all, false) : "none of the " + std::to_string(meshes) + " meshes touch") +
            distance + inside_text(touching);
-  const auto pairs = count_pairs(touching);
+  const auto pairs = find_pairs(touching);
   if (pairs.empty())  // only whether there is a contact was asked
     return (meshes <= 2 ? pair_text(touching, all, true) : "some of the " + std::to_string(meshes) + " meshes touch") +
            distance;
   std::string text;
   for (const auto& [pair, found] : pairs)
     text += (text.empty() ? "" : "\n") + pair_text(touching, pair, true) + distance_text(touching, pair) + ": " +
-            counts_text(found);
+            counts_text(found.counts) + crossings_text(touching, found);
   const auto between = static_cast<size_t>(std::count_if(
       pairs.begin(), pairs.end(), [](const auto& pair) { return pair.first.first != pair.first.second; }));
   const size_t others = meshes * (meshes - 1) / 2 - between;

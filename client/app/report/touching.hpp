@@ -7,6 +7,7 @@
 
 #include "client/app/report/json.hpp"
 #include "client/cpp/client.hpp"
+#include "client/cpp/scene_features.hpp"
 #include "client/scenes/scene.hpp"
 
 namespace collided::cli {
@@ -15,11 +16,14 @@ namespace collided::cli {
 struct Touching {
   std::span<const client::MeshInput> meshes;
   std::span<const scenes::Vec3d> positions;  ///< of all meshes
-  const client::FrameOutput& output;
+  const client::FrameOutput& output;         ///< with all fields
   const v1::SceneSpec& spec;
+  const client::SceneFeatures& scene;
 };
 
-/// Pairs of meshes that touch: their names and the number of contacts. Empty if the spec asks for no contacts.
+/// Pairs of meshes that touch: their names and the number of contacts; if the spec asks for edge-triangle contacts,
+/// also how many edges go through triangles, how many pairs touch, and the first of these crossings. Empty if the spec
+/// asks for no contacts.
 Json touching_json(const Touching& touching);
 
 /// A sentence for each pair that touches, or one that says that none does.

@@ -64,7 +64,9 @@ StepResult StepRunner::try_once(const StepInput& step) {
 
 std::string StepRunner::contact_rows(uint64_t pair, const StepInput& step, const StepResult& result) const {
   if (!options_.keep_contacts) return "";
-  return csv_rows(std::to_string(pair) + ",", result.output, {step.start, step.end});
+  std::optional<client::SceneFeatures> scene;
+  if (asks_for_crossings(result.scene.spec())) scene.emplace(mesh_inputs(step.meshes));
+  return csv_rows(std::to_string(pair) + ",", result.output, {step.start, step.end, scene ? &*scene : nullptr});
 }
 
 }  // namespace collided::cli

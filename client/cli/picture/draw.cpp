@@ -5,11 +5,12 @@
 #include <algorithm>
 
 #include "client/app/daemon/interrupt.hpp"
+#include "client/app/input/mesh_input.hpp"
 
 namespace collided::cli {
 
 Drawing::Drawing(const PictureOptions& options, const Motion& motion)
-    : options_(options), elements_(motion.meshes), whole_(options.view) {
+    : options_(options), scene_(mesh_inputs(motion.meshes)), whole_(options.view) {
   for (int frame = 0; frame < motion.frames && !options.zoom_contacts; ++frame) {
     check_interrupt();
     for (const scenes::Vec3d& position : motion.positions(frame)) whole_.add(position);
@@ -22,12 +23,13 @@ Drawn Drawing::step(const StepPositions& positions, const client::FrameOutput& o
     for (size_t i = 0; i < drawn.positions.size(); ++i)
       drawn.positions[i] = scenes::between(positions.start[i], positions.end[i], options_.time);
   mark_contacts(drawn.marks, output, positions);
-  add_crossings(drawn, output.triangle_triangle);
+  mark_triangle_pairs(drawn.marks, output.triangle_triangle, scene_, drawn.positions);
+  add_crossings(drawn, output.edge_triangle);
   return drawn;
 }
 
-void Drawing::add_crossings(Drawn& drawn, const client::Contacts& pairs) const {
-  mark_crossings(drawn.marks, pairs, elements_.vertices, drawn.positions);
+void Drawing::add_crossings(Drawn& drawn, const client::Contacts& crossings) const {
+  mark_contours(drawn.marks, crossings, scene_, drawn.positions);
 }
 
 View Drawing::view_of(const Drawn& drawn) const {
@@ -45,7 +47,7 @@ View Drawing::view_of(const Drawn& drawn) const {
 }
 
 Image Drawing::paint(const Drawn& drawn) const {
-  return Painter(view_of(drawn), elements_, drawn.positions, drawn.marks).paint();
+  return Painter(view_of(drawn), scene_, drawn.positions, drawn.marks).paint();
 }
 
 }  // namespace collided::cli

@@ -26,17 +26,17 @@ class Drawing {
   /// Goes through all frames of the motion, which must outlive it, to see how large it is.
   Drawing(const PictureOptions& options, const Motion& motion);
 
-  /// A step with its contacts.
+  /// A step with its contacts. `positions` need no scene.
   Drawn step(const StepPositions& positions, const client::FrameOutput& output) const;
-  /// Triangles that cross in the drawn positions.
-  void add_crossings(Drawn& drawn, const client::Contacts& pairs) const;
+  /// Adds the contours of edge-triangle contacts in the drawn positions.
+  void add_crossings(Drawn& drawn, const client::Contacts& crossings) const;
   Image paint(const Drawn& drawn) const;
 
  private:
   View view_of(const Drawn& drawn) const;
 
   const PictureOptions options_;
-  const Elements elements_;
+  const client::SceneFeatures scene_;
   Framing whole_;
 };
 

@@ -1,4 +1,4 @@
-// What a picture marks: contacts of vertices with triangles, of edges, and triangles that cross.
+// What a picture marks: contacts of vertices with triangles, of edges, and where triangles cross.
 
 #include "client/cli/picture/marks.hpp"
 
@@ -51,6 +51,7 @@ void mark_contacts(Marks& marks, const client::FrameOutput& output, const StepPo
       if (!contact.contacts.elements.empty()) marks.touched.push_back(contact.contacts.elements[contact.i][1]);
       return;
     }
+    if (contact.kind != v1::CONTACT_KIND_EDGE_EDGE) return;  // contours show the others
     const auto& stencil = contact.contacts.stencils[contact.i];
     const auto edge = [&](size_t from) {
       return scenes::minus(positions.end[stencil[from + 1]], positions.end[stencil[from]]);
@@ -59,15 +60,30 @@ void mark_contacts(Marks& marks, const client::FrameOutput& output, const StepPo
   });
 }
 
-void mark_crossings(Marks& marks, const client::Contacts& pairs, std::span<const Element> elements,
-                    client::Positions positions) {
+void mark_triangle_pairs(Marks& marks, const client::Contacts& pairs, const client::SceneFeatures& scene,
+                         client::Positions positions) {
   const auto corners = [&](uint32_t id) {
-    const Element& element = elements[checked_id("element", id, elements.size())];
-    return Corners{positions[element[0]], positions[element[1]], positions[element[2]]};
+    const auto& [a, b, c] = scene.element(id);
+    return Corners{positions[a], positions[b], positions[c]};
   };
   for (const auto& [a, b] : pairs.elements) {
     marks.crossings.push_back(crossing_of(corners(a), corners(b)));
     marks.crossed.insert(marks.crossed.end(), {a, b});
+  }
+}
+
+void mark_contours(Marks& marks, const client::Contacts& crossings, const client::SceneFeatures& scene,
+                   client::Positions positions) {
+  for (const client::Contour& contour : client::join_crossings(crossings, scene, positions)) {
+    const auto& points = contour.points;
+    for (size_t i = 1; i < points.size(); ++i) marks.crossings.push_back({points[i - 1].position, points[i].position});
+    if (contour.is_closed || points.size() == 1)
+      marks.crossings.push_back({points.back().position, points.front().position});
+  }
+  for (const auto& [edge, triangle] : crossings.elements) {
+    marks.crossed.push_back(triangle);
+    const auto own = scene.triangles_of(edge);
+    marks.crossed.insert(marks.crossed.end(), own.begin(), own.end());
   }
 }
 

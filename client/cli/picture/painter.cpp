@@ -73,31 +73,23 @@ double mark_pixels(const Marks& marks) {
 
 }  // namespace
 
-Elements::Elements(const std::vector<scenes::Mesh>& meshes) {
-  uint32_t base = 0;
-  for (uint32_t i = 0; i < meshes.size(); ++i) {
-    for (const auto& t : meshes[i].triangles) vertices.push_back({base + t[0], base + t[1], base + t[2]});
-    for (const auto& e : meshes[i].edges) vertices.push_back({base + e[0], base + e[1], base + e[1]});
-    for (const uint32_t p : meshes[i].points) vertices.push_back({base + p, base + p, base + p});
-    mesh.resize(vertices.size(), i);
-    base += meshes[i].vertex_count;
-  }
-}
-
-Painter::Painter(const View& view, const Elements& elements, client::Positions positions, const Marks& marks)
-    : view_(view), elements_(elements) {
+Painter::Painter(const View& view, const client::SceneFeatures& scene, client::Positions positions, const Marks& marks)
+    : view_(view), scene_(scene) {
   for (const Vec3d& position : positions) positions_.push_back(view.from_scene(position));
-  for (const uint32_t mesh : elements.mesh) colours_.push_back(kMeshes[mesh % std::size(kMeshes)]);
+  for (uint32_t id = 0; id < scene.element_count(); ++id) colours_.push_back(colour_of_mesh(id));
   tint(marks.touched, kVertex);
   tint(marks.crossed, kCrossing);
   add_surfaces();
   add_marks(marks);
 }
 
+Colour Painter::colour_of_mesh(uint32_t element) const {
+  return kMeshes[scene_.mesh_of_element(element) % std::size(kMeshes)];
+}
+
 void Painter::tint(const std::vector<uint32_t>& elements, const Colour& colour) {
   for (const uint32_t id : elements) {
-    const uint32_t element = checked_id("element", id, colours_.size());
-    colours_[element] = mix(kMeshes[elements_.mesh[element] % std::size(kMeshes)], colour, 0.4);
+    colours_[client::checked_id("element", id, colours_.size())] = mix(colour_of_mesh(id), colour, 0.4);
   }
 }
 
@@ -108,8 +100,8 @@ void Painter::add_surfaces() {
   std::vector<Tube> edges;
   std::vector<Vec3d> points;
   drawn_.resize(kSurfaceParts);
-  for (uint32_t id = 0; id < elements_.vertices.size(); ++id) {
-    const auto& [a, b, c] = elements_.vertices[id];
+  for (uint32_t id = 0; id < scene_.element_count(); ++id) {
+    const auto& [a, b, c] = scene_.element(id);
     if (b != c) {
       triangles.push_back({a, b, c});
     } else if (a != b) {
@@ -211,7 +203,7 @@ double Painter::openness(const Vec3d& point, const Vec3d& normal, const Sample& 
 /// How much of a triangle's border is seen at a point of it; nothing of triangles that are small in the picture.
 double Painter::outline(uint32_t element, const RayHit& hit) const {
   constexpr double kDarkest = 0.4, kWidth = 0.7;
-  const auto& [a, b, c] = elements_.vertices[element];
+  const auto& [a, b, c] = scene_.element(element);
   const Vec3d corners[] = {positions_[a], positions_[b], positions_[c]};
   const double area =
       scenes::length(scenes::cross(scenes::minus(corners[1], corners[0]), scenes::minus(corners[2], corners[0])));

@@ -10,13 +10,6 @@
 
 namespace collided::cli {
 
-/// Elements of a scene by their ids, and the mesh of each.
-struct Elements {
-  explicit Elements(const std::vector<scenes::Mesh>& meshes);
-  std::vector<Element> vertices;
-  std::vector<uint32_t> mesh;
-};
-
 /// A colour, linear, of red, green and blue; 1 is white.
 using Colour = scenes::Vec3d;
 
@@ -24,7 +17,7 @@ using Colour = scenes::Vec3d;
 /// crossings purple lines. Marks behind a surface shine through it. The same input gives the same image.
 class Painter {
  public:
-  Painter(const View& view, const Elements& elements, client::Positions positions, const Marks& marks);
+  Painter(const View& view, const client::SceneFeatures& scene, client::Positions positions, const Marks& marks);
 
   /// Uses all cores. Returns early if collidectl is interrupted.
   Image paint() const;
@@ -35,6 +28,7 @@ class Painter {
     uint64_t pixel, number;
   };
 
+  Colour colour_of_mesh(uint32_t element) const;
   void add_surfaces();
   void tint(const std::vector<uint32_t>& elements, const Colour& colour);
   void add_marks(const Marks& marks);
@@ -45,7 +39,7 @@ class Painter {
   double outline(uint32_t element, const RayHit& hit) const;
 
   View view_;
-  const Elements& elements_;
+  const client::SceneFeatures& scene_;
   std::vector<scenes::Vec3d> positions_;  ///< in the view
   RayScene surfaces_, marks_;
   std::vector<std::vector<uint32_t>> drawn_;  ///< elements by part of surfaces_

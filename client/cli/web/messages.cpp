@@ -125,11 +125,20 @@ void add_stencils(Message& message, const char* name, const Surface& surface, co
 void add_triangle_pairs(Message& message, const Surface& surface, const client::Contacts& contacts) {
   const auto corners = [&](size_t i) {
     const auto [first, second] = contacts.elements[i];
-    if (std::max(first, second) >= surface.elements.size()) throw_loss("contacts name a triangle that is not there");
-    const auto &a = surface.elements[first], &b = surface.elements[second];
+    const auto &a = surface.scene.element(first), &b = surface.scene.element(second);
     return std::array<uint32_t, 6>{a[0], a[1], a[2], b[0], b[1], b[2]};
   };
   message.add("triangle_triangle", features<6>(surface, contacts.elements.size(), corners));
+}
+
+void add_crossings(Message& message, const Surface& surface, const client::Contacts& contacts) {
+  const auto ends_and_corners = [&](size_t i) {
+    const auto [edge, triangle] = contacts.elements[i];
+    const auto& [u, v] = surface.scene.edge(edge);
+    const auto& [a, b, c] = surface.scene.element(triangle);
+    return std::array<uint32_t, 5>{u, v, a, b, c};
+  };
+  message.add("edge_triangle", features<5>(surface, contacts.elements.size(), ends_and_corners));
 }
 
 }  // namespace
@@ -160,6 +169,7 @@ std::string frame_message(ShownScene& shown, const client::WatchedFrame& frame) 
   add_stencils(message, "vertex_triangle", shown.surface, frame.vertex_triangle);
   add_stencils(message, "edge_edge", shown.surface, frame.edge_edge);
   add_triangle_pairs(message, shown.surface, frame.triangle_triangle);
+  add_crossings(message, shown.surface, frame.edge_triangle);
   return message.text();
 }
 

@@ -22,6 +22,7 @@
 //   vertex_triangle  uint32[n][4]: the vertex and the triangle's corners
 //   edge_edge        uint32[n][4]: both ends of each edge
 //   triangle_triangle uint32[n][6]: the corners of both
+//   edge_triangle    uint32[n][5]: both ends of the edge, the corners of the triangle that it goes through
 // kStatus: state ("live", "waiting" or "ended"), message (why; may be empty)
 
 #include <cstdint>

@@ -56,6 +56,7 @@ void remove_repeated(std::vector<Element>& triangles, size_t from) {
 Surface make_surface(const std::vector<client::MeshElements>& meshes, uint32_t stride) {
   Surface surface;
   surface.vertex_stride = stride;
+  surface.scene = client::SceneFeatures(meshes);
   for (const client::MeshElements& mesh : meshes) {
     const auto first = static_cast<uint32_t>(surface.shown_vertex.size());
     surface.first_vertex.push_back(surface.vertex_count);
@@ -66,7 +67,6 @@ Surface make_surface(const std::vector<client::MeshElements>& meshes, uint32_t s
       Element shown;
       for (size_t i = 0; i < 3; ++i) shown[i] = surface.shown_vertex[first + element[i]];
       add(surface, element, shown);
-      surface.elements.push_back({first + element[0], first + element[1], first + element[2]});
     }
     if (stride > 1) remove_repeated(surface.triangles, before);
     surface.triangle_count.push_back(static_cast<uint32_t>(surface.triangles.size() - before));

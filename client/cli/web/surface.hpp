@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "client/cpp/client.hpp"
+#include "client/cpp/scene_features.hpp"
 
 namespace collided::cli {
 
@@ -20,7 +20,7 @@ struct Surface {
   /// Of each vertex of the scene the shown one that stands for it: itself, or the closest along the surface;
   /// kNotShown where none is connected to it.
   std::vector<uint32_t> shown_vertex;
-  std::vector<std::array<uint32_t, 3>> elements;  ///< of the scene, by scene-wide id, in scene-wide vertices
+  client::SceneFeatures scene;  ///< by scene-wide ids
 };
 
 constexpr uint32_t kNotShown = ~0u;

@@ -89,7 +89,8 @@ class Simulation {
     return {gone.done.advanced(), near.size(), count_folds(near)};
   }
 
-  /// Pairs of triangles that share a point, decided in real arithmetic.
+  /// Edges that go through triangles, and features that touch, decided in real arithmetic. The cloth is free of
+  /// self-intersection, and apart from the others, if and only if there are none.
   uint64_t count_crossings() { return judge_.ask(packed(x_), {}).done.contact_count(); }
 
  private:
@@ -107,7 +108,9 @@ class Simulation {
     v1::SceneSpec spec;
     spec.set_mode(v1::DETECTION_MODE_DCD);
     spec.set_accuracy(v1::ACCURACY_EXACT);
-    spec.add_kinds(v1::CONTACT_KIND_TRIANGLE_TRIANGLE);
+    for (const v1::ContactKind kind :
+         {v1::CONTACT_KIND_VERTEX_TRIANGLE, v1::CONTACT_KIND_EDGE_EDGE, v1::CONTACT_KIND_EDGE_TRIANGLE})
+      spec.add_kinds(kind);
     return spec;
   }
 

@@ -1,6 +1,6 @@
 // Contacts: a mark where each is, and the two features that touch. What is hidden by a surface shines through faintly.
 import * as THREE from "three";
-import { betweenEdges, middle, vertexAt } from "./closest";
+import { betweenEdges, middle, onEdge, vertexAt } from "./closest";
 import { drawn, KINDS, themeColor, type KindFacts } from "./kinds";
 import type { FrameMessage } from "./messages";
 
@@ -12,14 +12,15 @@ const VERTEX_SHADER = `
     gl_PointSize = size;
   }`;
 
-// A disc, a diamond or a triangle with a rim.
+// A disc, a diamond, a triangle or a square with a rim.
 const FRAGMENT_SHADER = `
   uniform vec3 color, rim;
   uniform float opacity, size;
   uniform int shape;
   void main() {
     vec2 p = 2.0 * gl_PointCoord - 1.0;
-    float d = shape == 0 ? length(p) : shape == 1 ? abs(p.x) + abs(p.y) : max(1.5 * abs(p.x) - 0.75 * p.y, p.y) + 0.25;
+    float d = shape == 0 ? length(p) : shape == 1 ? abs(p.x) + abs(p.y) :
+        shape == 2 ? max(1.5 * abs(p.x) - 0.75 * p.y, p.y) + 0.25 : max(abs(p.x), abs(p.y)) + 0.2;
     float soft = 2.0 / size;
     float inside = 1.0 - smoothstep(1.0 - soft, 1.0, d);
     if (inside <= 0.0) discard;
@@ -151,16 +152,23 @@ function pointsOf(frame: FrameMessage, facts: KindFacts): Float32Array {
   const out = new Float32Array(3 * drawn(frame, facts));
   for (let i = 0, at = 0; i < contacts.length; i += facts.vertices, at += 3) {
     const vertices = contacts.subarray(i, i + facts.vertices);
-    out.set(
-      facts.kind === "vertex_triangle"
-        ? vertexAt(frame.positions, vertices[0])
-        : facts.kind === "edge_edge"
-          ? betweenEdges(frame.positions, vertices[0], vertices[1], vertices[2], vertices[3])
-          : middle(frame.positions, vertices),
-      at,
-    );
+    out.set(pointOf(frame.positions, facts, vertices), at);
   }
   return out;
+}
+
+function pointOf(positions: Float32Array, facts: KindFacts, vertices: Uint32Array): [number, number, number] {
+  const [a, b, c, d, e] = vertices;
+  switch (facts.kind) {
+    case "vertex_triangle":
+      return vertexAt(positions, a);
+    case "edge_edge":
+      return betweenEdges(positions, a, b, c, d);
+    case "triangle_triangle":
+      return middle(positions, vertices);
+    case "edge_triangle":
+      return onEdge(positions, a, b, c, d, e);
+  }
 }
 
 function linesOf(frame: FrameMessage, facts: KindFacts): Float32Array {

@@ -51,6 +51,7 @@ export interface FrameMessage {
   vertex_triangle: Uint32Array;
   edge_edge: Uint32Array;
   triangle_triangle: Uint32Array;
+  edge_triangle: Uint32Array;
   bytes: number;
 }
 

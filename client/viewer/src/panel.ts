@@ -8,7 +8,7 @@ import { OTHER_STAGES, stageMilliseconds } from "./stages";
 export const element = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
 const RATE_MS = 3000; // or the last two frames, if these are further apart
-const SHAPES = ["disc", "diamond", "triangle"];
+const SHAPES = ["disc", "diamond", "triangle", "square"];
 
 /** Sets the text, and its number for programs that read the page. */
 function set(id: string, text: string, value?: number | null): void {
@@ -62,7 +62,7 @@ export class Panel {
     for (const facts of KINDS) {
       const number = found(frame, facts.kind);
       set(facts.kind, number === null ? "–" : count(number), number);
-      element(`row-${facts.kind}`).hidden = facts.kind === "triangle_triangle" && !number;
+      element(`row-${facts.kind}`).hidden = !facts.isCommon && !number;
     }
     this.shown = frame;
     this.showStageTimes();

@@ -3,8 +3,11 @@
 Usage: detect_test.py COLLIDECTL DAEMON"""
 
 import csv
+import fractions
+import itertools
 import json
 import os
+import random
 import re
 import xml.etree.ElementTree
 
@@ -28,11 +31,14 @@ class Meshes(support.CollidectlTest):
     def test_two_meshes_touch_or_do_not(self):
         ball, box, far = (self.put(name, cube(x)) for name, x in (("ball.obj", 0), ("box.obj", 1.5), ("far.obj", 4)))
         text = self.ok("detect", ball, box, *ONE_CPU)
-        self.assertRegex(text, r"^ball and box touch: [1-9]\d* contacts \(.*[1-9]\d* triangle-triangle\)\n\nscene\n")
+        self.assertRegex(text, r"^ball and box touch: [1-9]\d* contacts \(.*[1-9]\d* triangle-triangle, [1-9]\d* edge-triangle\)\n"
+                               r"  .*pairs touch; the first: edge \d-\d of b\w+ \w+ triangle \d+ of b\w+ at \([\d., ]+\)\n\nscene\n")
         self.assertTrue(self.ok("detect", ball, far, *ONE_CPU).startswith("ball and far do not touch\n"))
         found = self.found(ball, box)
-        self.assertEqual(found["touching"], [{"meshes": ["ball", "box"], "contact_count": found["contact_count"]}])
-        self.assertEqual((found["scene"]["mode"], found["scene"]["accuracy"], found["scene"]["kinds"]), ("dcd", "exact", ["vt", "ee", "tt"]))
+        (pair,) = found["touching"]
+        self.assertEqual((pair["meshes"], pair["contact_count"]), (["ball", "box"], found["contact_count"]))
+        self.assertEqual((found["scene"]["mode"], found["scene"]["accuracy"], found["scene"]["kinds"]),
+                         ("dcd", "exact", ["vt", "ee", "tt", "et"]))
         self.assertEqual((self.found(ball, far)["touching"], self.found(ball, far)["any_contact"]), ([], False))
         self.assertEqual(self.found(ball, far, "--report", "any")["found"], "ball and far do not touch")
         self.assertEqual(self.found(ball, box, "--report", "any")["found"], "ball and box touch")
@@ -71,13 +77,14 @@ class Meshes(support.CollidectlTest):
 
     def test_three_meshes_are_told_by_pairs_and_a_mesh_alone_by_itself(self):
         files = [self.put(name, cube(x)) for name, x in (("a.obj", 0), ("b.obj", 1), ("c.obj", 9))]
-        self.assertRegex(self.found(*files)["found"], r"^a and b touch: .*\)\nthe other 2 pairs do not touch$")
+        self.assertRegex(self.found(*files)["found"], r"^a and b touch: .*\)\n  .*\)\nthe other 2 pairs do not touch$")
         self.assertEqual(self.found(files[0], files[2], self.put("d.obj", cube(20)))["found"], "none of the 3 meshes touch")
-        self.assertEqual(self.found(files[0])["found"], "a does not touch itself")
+        self.assertEqual(self.found(files[0])["found"], "a: no self-intersection")
+        self.assertEqual(self.found(files[0], "--thickness", "0.5")["found"], "a does not touch itself at a thickness of 0.5")
         both = self.put("both.obj", cube(0) + re.sub(r"^f .*$", lambda f: "f " + " ".join(str(int(v) + 8) for v in f[0].split()[1:]), cube(1), flags=re.M))
-        self.assertRegex(self.found(both)["found"], "^both touches itself: ")
+        self.assertRegex(self.found(both)["found"], r"^both: (\d+ edges? goe?s? through .*, )?\d+ pairs touch; the first: edge .* at \(")
+        self.assertRegex(self.found(both, "--thickness", "0.5")["found"], "^both touches itself at a thickness of 0.5: ")
         self.assertNotIn("both and both", self.found(both, files[2])["found"])
-        self.assertIn("both touches itself", self.found(both, files[2], "--self")["found"])
         self.assertEqual(self.found(files[0], files[0])["touching"][0]["meshes"], ["a", "a (2)"])
 
     def test_a_mesh_within_another_has_no_contact_and_is_told_why(self):
@@ -111,7 +118,7 @@ class Meshes(support.CollidectlTest):
             answers.append({key: found.get(key) for key in ("found", "touching", "contact_count", "counts", "earliest")})
             answers[-1].update({key: found["scene"][key] for key in ("mode", "accuracy", "kinds")})
             self.refused(2, "what was given stands still", "detect", *words, "--mode", "ccd")
-        self.assertEqual(answers[0]["kinds"], ["vt", "ee", "tt"])
+        self.assertEqual(answers[0]["kinds"], ["vt", "ee", "tt", "et"])
         self.assertEqual(answers[1:], answers[:1] * 3)
 
     def test_polygons_that_bend_keep_their_triangles(self):
@@ -125,6 +132,135 @@ class Meshes(support.CollidectlTest):
         said = f"{stl}: welded 6 corners into 4 vertices"
         self.assertEqual(self.found(stl)["notes"], [said])
         self.assertIn(said + "\n", self.ok("detect", stl, *ONE_CPU))
+
+
+def common_points(first, second, at):
+    """Corners of what two triangles with area share, each as the sets of their vertices between which it is, in rationals."""
+    for size_a, size_b in itertools.product((1, 2, 3), repeat=2):
+        for some_a, some_b in itertools.product(itertools.combinations(first, size_a), itertools.combinations(second, size_b)):
+            columns = [[*at[v], 1, 0] for v in some_a] + [[*(-x for x in at[v]), 0, 1] for v in some_b]
+            weights = solution([list(row) for row in zip(*columns)], [0, 0, 0, 1, 1])
+            if weights and min(weights) > 0:
+                yield set(some_a), set(some_b)
+
+
+def solution(rows, right):
+    """Of linear equations, where there is exactly one; else nothing."""
+    rows = [[fractions.Fraction(x) for x in (*row, value)] for row, value in zip(rows, right)]
+    for column in range(len(rows[0]) - 1):
+        pivot = next((row for row in rows[column:] if row[column]), None)
+        if pivot is None:
+            return None
+        rows.remove(pivot)
+        rows.insert(column, [x / pivot[column] for x in pivot])
+        for i, row in enumerate(rows):
+            if i != column and row[column]:
+                rows[i] = [x - row[column] * y for x, y in zip(row, rows[column])]
+    count = len(rows[0]) - 1
+    return [row[-1] for row in rows[:count]] if not any(row[-1] for row in rows[count:]) else None
+
+
+def has_area(triangle, at):
+    (a, b, c) = (at[v] for v in triangle)
+    u, v = [[x - y for x, y in zip(end, a)] for end in (b, c)]
+    return any(u[i - 1] * v[i] != u[i] * v[i - 1] for i in range(3))
+
+
+def intersects_itself(triangles, at):
+    """Whether two triangles share more than what they have in common as parts of the mesh."""
+    return any(not some_a <= set(first) & set(second) for first, second in itertools.combinations(triangles, 2)
+               for some_a, _ in common_points(first, second, at))
+
+
+class Self(support.CollidectlTest):
+    """Is a mesh free of self-intersection?"""
+
+    FOLDED = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 2 1 -1\nv 2 1.5 2\nf 1 2 3\nf 1 4 5\n"
+
+    def asked(self, code, *words, where=ONE_CPU):
+        done = support.ctl("detect", "--self", *words, *where, "--json")
+        self.assertEqual(done.returncode, code, done.stderr)
+        self.assertEqual(done.stderr.count("not shown to be free of self-intersection"), int(code == 3))
+        return json.loads(done.stdout)
+
+    def test_a_mesh_is_free_or_crosses_or_touches_itself(self):
+        free, folded, touching = (self.put(name, text) for name, text in (
+            ("free.obj", cube(0)), ("folded.obj", self.FOLDED), ("touching.obj", self.FOLDED.replace("1.5 2", "1.5 0").replace("1 -1", "1 1"))))
+        found = self.asked(0, free)
+        self.assertEqual(found["found"], "free: no self-intersection")
+        self.assertEqual(found["self_intersections"], [{"name": "free", "verdict": "free", "crossing_count": 0, "touching_count": 0,
+                                                        "crossings": []}])
+        found = self.asked(3, folded)
+        self.assertEqual(found["found"], "folded: 1 edge goes through a triangle; the first: edge 3-4 through triangle 0 at (2, 1.16667, 0)")
+        (one,) = found["self_intersections"]
+        self.assertEqual((one["verdict"], one["crossing_count"], one["touching_count"]), ("intersects", 1, 0))
+        self.assertEqual([(c["kind"], c["edge"], c["flags"]) for c in one["crossings"]], [("edge_triangle", [3, 4], ["certified"])])
+        (one,) = self.asked(3, touching)["self_intersections"]
+        self.assertEqual((one["verdict"], one["crossing_count"]), ("intersects", 0))
+        self.assertGreater(one["touching_count"], 0)
+        self.assertIn(("vertex_triangle", [2, 1.5, 0]), [(c["kind"], c["point"]) for c in one["crossings"]])
+
+    def test_it_does_not_depend_on_what_contacts_are_asked_for(self):
+        free, folded = self.put("free.obj", cube(0)), self.put("folded.obj", self.FOLDED)
+        for words in (["--thickness", "9"], ["--half-thickness", "free=1"], ["--kinds", "tt"], ["--report", "any"], ["--exclude-rings", "2"],
+                      ["--accuracy", "guarded"], ["--accuracy", "candidates"], ["--position-format", "f32"]):
+            found = self.asked(0, free, *words)
+            self.assertEqual((found["found"], found["self_intersections"][0]["verdict"]), ("free: no self-intersection", "free"), words)
+            words = [word.replace("free", "folded") for word in words]
+            self.assertEqual(self.asked(3, folded, *words)["self_intersections"][0]["crossing_count"], 1, words)
+
+    def test_positions_are_those_of_the_file(self):
+        """A vertex 2^-40 above a face, and on it."""
+        text = self.FOLDED.replace("1.5 2", "1.5 {}").replace("1 -1", "1 1")
+        self.asked(0, self.put("above.obj", text.format(2**-40)), "--position-format", "f32")
+        self.asked(3, self.put("on.obj", text.format(0)), "--position-format", "f32")
+
+    def test_several_meshes_are_told_one_by_one(self):
+        files = [self.put("free.obj", cube(0)), self.put("folded.obj", self.FOLDED)]
+        found = self.asked(3, *files)
+        self.assertEqual([one["verdict"] for one in found["self_intersections"]], ["free", "intersects"])
+        self.assertIn("free and folded touch: ", found["found"])
+        self.assertTrue(found["found"].endswith("free: no self-intersection\nfolded: 1 edge goes through a triangle; the first: edge 3-4 "
+                                                "through triangle 0 at (2, 1.16667, 0)"))
+        self.assertNotIn("self_intersections", json.loads(self.ok("detect", *files, *ONE_CPU, "--json")))
+
+    def test_what_is_not_covered_is_said(self):
+        flat = self.put("flat.obj", cube(0) + "v 5 5 5\nv 6 6 6\nv 9 9 9\nf 9 10 11\n")
+        found = self.asked(3, flat)
+        self.assertEqual(found["found"], "flat: no self-intersection found, but not all is covered: 1 triangle without area, 12")
+        self.assertEqual((found["self_intersections"][0]["verdict"], found["self_intersections"][0]["uncovered"]),
+                         ("uncovered", ["1 triangle without area, 12"]))
+        twice = self.put("twice.obj", cube(0) + "v 5 5 5\nv 6 5 5\nv 5 6 5\nf 9 10 11\nf 10 11 9\nf 10 9 11\n")
+        self.assertIn("covered: 2 triangles listed again, the first 13", self.asked(3, twice)["found"])
+        hair = self.put("hair.obj", cube(0) + "v 5 5 5\nv 6 5 5\nl 9 10\n")
+        self.assertIn("covered: 1 loose edge or point", self.asked(3, hair)["found"])
+
+    def test_frames_that_move_are_refused(self):
+        self.refused(2, "--self tests meshes that stand still", "detect", "--self", "--frames", self.frame0, self.frame1)
+
+    def test_it_is_true_of_random_meshes(self):
+        """Against rationals: closed surfaces and pairs of triangles with common corners, on a small lattice."""
+        shapes = [(5, [(0, 1, 2), (0, 3, 4)]), (4, [(0, 1, 2), (0, 1, 3)]), (5, [(0, 1, 2), (0, 2, 3), (0, 3, 4)]),
+                  (6, [(0, 1, 2), (3, 4, 5)]), (5, [(0, 1, 3), (1, 2, 3), (2, 0, 3), (1, 0, 4), (2, 1, 4), (0, 2, 4)])]
+        with self.daemon() as server:
+            verdicts = self.judged(shapes, 200, ["--server", server])
+        self.assertTrue(50 < sum(verdicts) < 150, sum(verdicts))
+
+    def judged(self, shapes, count, where):
+        """Verdicts on so many meshes."""
+        numbers, verdicts = random.Random(7), []
+        while len(verdicts) < count:
+            vertices, triangles = shapes[len(verdicts) % len(shapes)]
+            at = [[numbers.randrange(4) for _ in range(3)] for _ in range(vertices)]
+            if not all(has_area(triangle, at) for triangle in triangles):
+                continue
+            mesh = self.put("mesh.obj", "".join("v {} {} {}\n".format(*p) for p in at) +
+                            "".join("f {} {} {}\n".format(*(v + 1 for v in t)) for t in triangles))
+            expected = intersects_itself(triangles, at)
+            (one,) = self.asked(3 if expected else 0, mesh, where=where)["self_intersections"]
+            self.assertEqual(one["verdict"], "intersects" if expected else "free", (at, triangles))
+            verdicts.append(expected)
+        return verdicts
 
 
 class Detect(support.CollidectlTest):
@@ -357,14 +493,69 @@ class Detect(support.CollidectlTest):
         words = ["detect", mesh, *ONE_CPU, "--out", out]
         alone = json.loads(self.ok(*words, "--kinds", "et", "--json"))
         self.assertEqual((alone["scene"]["kinds"], alone["counts"]["contacts_edge_triangle"]), (["et"], 1))
-        self.assertEqual(alone["touching"], [{"meshes": [alone["touching"][0]["meshes"][0]] * 2, "contact_count": 1}])
+        (pair,) = alone["touching"]
+        self.assertEqual({key: pair[key] for key in ("meshes", "contact_count", "crossing_count", "touching_count")},
+                         {"meshes": ["folded"] * 2, "contact_count": 1, "crossing_count": 1, "touching_count": 0})
+        (crossing,) = pair["crossings"]
+        self.assertEqual((crossing["kind"], crossing["elements"], crossing["edge"]), ("edge_triangle", [5, 0], [3, 4]))
+        for x, expected in zip(crossing["point"], (2, 7 / 6, 0)):
+            self.assertAlmostEqual(x, expected, places=6)
         (row,) = self.rows(out)
         self.assertEqual([row[name] for name in ("kind", "element_a", "element_b", "v0", "flags")],
                          ["et", "5", "0", "", "certified"])
         self.assertAlmostEqual(float(row["w0"]), 0.5)
         self.assertAlmostEqual(float(row["w1"]), 7 / 24)
-        self.assertIn("1 contact (1 edge-triangle)", self.ok(*words, "--kinds", "vt,ee,tt,et"))
-        self.refused(2, "--vtp needs contact points", *words, "--kinds", "et", "--vtp", os.path.join(self.folder.name, "c.vtp"))
+        self.assertEqual([row["point_a_x"], row["point_b_z"]], ["2", "0"])
+        self.assertIn("folded touches itself: 1 contact (1 edge-triangle)\n  1 edge goes through a triangle; the first: edge 3-4 through "
+                      "triangle 0 at (2, 1.16667, 0)\n", self.ok(*words, "--kinds", "et"))
+
+    def test_a_tie_is_told_apart(self):
+        floor = self.put("floor.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nf 1 2 3\n")
+        corner = self.put("corner.obj", "v 1 1 0\nv 1 1 3\nv 1 2 -3\nf 1 2 3\n")  # one corner is in the floor, a side goes through it
+        out = os.path.join(self.folder.name, "c.csv")
+        found = json.loads(self.ok("detect", floor, corner, *ONE_CPU, "--kinds", "et", "--out", out, "--json"))
+        (pair,) = found["touching"]
+        self.assertEqual((pair["crossing_count"], pair["touching_count"]), (1, 1))
+        flags = sorted("|".join(crossing["flags"]) for crossing in pair["crossings"])
+        self.assertEqual(flags, ["certified", "certified|touching"])
+        self.assertEqual(sorted(row["flags"] for row in self.rows(out)), flags)
+        self.assertIn("\n  1 edge goes through a triangle, 1 pair touches; the first: edge ", found["found"])
+        self.assertRegex(found["found"], r"edge \d-\d of corner (on|through) triangle 0 of floor at \(1, 1\.?5?, 0\)$")
+
+    def test_contours_are_lines_of_files(self):
+        """Two tetrahedra that overlap: one closed contour. Two neighbours: a line from their corner to the crossing."""
+        solid = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+        first = self.put("first.obj", "v 0 0 0\nv 6 0 0\nv 0 6 0\nv 0 0 6\n" + solid)
+        second = self.put("second.obj", "v 1 1 1\nv 7 1 1\nv 1 7 1\nv 1 1 7\n" + solid)
+        folded = self.put("folded.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 2 1 -1\nv 2 1.5 2\nf 1 2 3\nf 1 4 5\n")
+        for meshes, is_closed in ((first, second), True), ((folded,), False):
+            out, vtp, ply = (os.path.join(self.folder.name, "c." + ending) for ending in ("csv", "vtp", "ply"))
+            self.ok("detect", *meshes, *ONE_CPU, "--out", out, "--vtp", vtp, "--ply", ply)
+            rows = [row for row in self.rows(out) if row["kind"] == "et"]
+            points = [[row["point_a_" + axis] for axis in "xyz"] for row in rows] + [["0", "0", "0"]] * (not is_closed)
+            piece = xml.etree.ElementTree.parse(vtp).getroot().find("PolyData/Piece")
+            arrays = {part: {array.get("Name"): array.text.split() for array in piece.iterfind(f"{part}/DataArray")}
+                      for part in ("PointData", "CellData", "Points", "Verts", "Lines")}
+            self.assertEqual((piece.get("NumberOfPoints"), piece.get("NumberOfVerts"), piece.get("NumberOfLines")),
+                             (str(len(points)), str(len(rows)), "1"))
+            self.assertEqual(arrays["Points"]["points"], sum(points, []))
+            self.assertEqual(arrays["PointData"]["kind"], ["4"] * len(rows) + ["0"] * (not is_closed))
+            self.assertEqual(arrays["CellData"]["contour"], ["-1"] * len(rows) + ["0"])
+            self.assertEqual(arrays["CellData"]["closed"], ["0"] * len(rows) + [str(int(is_closed))])
+            self.assertEqual(arrays["CellData"]["meshes"][-2:], ["0", "1" if is_closed else "0"])
+            line = arrays["Lines"]["connectivity"]
+            self.assertEqual(arrays["Lines"]["offsets"], [str(len(line))])
+            self.assertEqual(sorted(map(int, line[:-1] if is_closed else line)), list(range(len(points))))
+            self.assertEqual(line[0] == line[-1], is_closed)
+            with open(ply, encoding="ascii") as file:
+                header, body = file.read().split("end_header\n")
+            lines = [row.split() for row in body.splitlines()]
+            self.assertIn(f"element vertex {len(points)}\n", header)
+            self.assertIn(f"element edge {len(line) - 1}\n", header)
+            self.assertEqual([row[:3] for row in lines[:len(points)]], points)
+            self.assertEqual(lines[len(points):], [list(ends) for ends in zip(line, line[1:])])
+            widths = {len(row) for row in lines[:len(points)]}
+            self.assertEqual(widths, {header.count("property ") - 2})
 
     def test_candidates_leave_uncomputed_fields_empty(self):
         out = os.path.join(self.folder.name, "c.csv")

@@ -73,20 +73,34 @@ class Render(support.CollidectlTest):
 
     def test_lines_mark_where_triangles_cross(self):
         picture, frame = self.drawn("--frames", self.frame0, self.frame1, "--crossings")
-        self.assertEqual(frame["crossing_count"], 1)
+        self.assertEqual(frame["crossing_count"], 2)
         self.assertGreater(len(marked(picture, PURPLE)), 20)
         alone = [self.drawn(*words, self.frame0)[1] for words in ([], ["--frames"])]
         self.assertEqual(*({key: frame[key] for key in ("frame", "out", "counts")} for frame in alone))
         picture, frame = self.drawn(self.frame0, "--mode", "dcd", "--crossings")
         self.assertEqual((frame["crossing_count"], len(marked(picture, PURPLE))), (0, 0))
-        picture, frame = self.drawn(self.frame1, "--mode", "dcd", "--kinds", "tt", "--accuracy", "exact")
-        self.assertEqual(frame["contact_count"], 1)
-        self.assertGreater(len(marked(picture, PURPLE)), 20)
+        for kind, count in ("tt", 1), ("et", 2):
+            picture, frame = self.drawn(self.frame1, "--mode", "dcd", "--kinds", kind, "--accuracy", "exact")
+            self.assertEqual(frame["contact_count"], count)
+            self.assertGreater(len(marked(picture, PURPLE)), 20)
+
+    def test_contours_of_neighbours_begin_at_their_corner(self):
+        folded = self.put("folded.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 2 1 -1\nv 2 1.5 2\nf 1 2 3\nf 1 4 5\n")
+        picture, frame = self.drawn(folded, "--crossings", "--kinds", "vt,ee", *FROM_ABOVE)
+        self.assertEqual((frame["crossing_count"], frame["contact_count"]), (1, 0))
+        line = marked(picture, PURPLE)
+        # From above, the triangle from (0, 0) to (4, 4) fills the picture; the line goes from (0, 0) to (2, 7/6).
+        (top, left), (bottom, right) = shown(picture).min(axis=0), shown(picture).max(axis=0)
+        unit = (right - left) / 4
+        self.assertAlmostEqual(line[:, 1].max() - line[:, 1].min(), 2 * unit, delta=8)
+        self.assertAlmostEqual(line[:, 0].max() - line[:, 0].min(), 7 / 6 * unit, delta=8)
+        self.assertAlmostEqual(line[:, 1].min(), left, delta=5)
+        self.assertAlmostEqual(line[:, 0].max(), bottom, delta=5)
 
     def test_crossings_are_those_at_the_time_that_is_drawn(self):
         counts = [self.drawn("--frames", self.frame0, self.frame1, "--crossings", "--time", time)[1]["crossing_count"]
                   for time in ("0", "0.25", "0.75")]
-        self.assertEqual(counts, [0, 0, 1])
+        self.assertEqual(counts, [0, 0, 2])
 
     def test_marks_behind_a_surface_shine_through_it(self):
         roof = "v -1 -1 5\nv 9 -1 5\nv -1 9 5\nf 7 8 9\n"
@@ -136,7 +150,7 @@ class Render(support.CollidectlTest):
         corner = self.put("corner.obj", "v 0.5 0.5 -1\nv 1 0.5 1\nv 0.5 1 1\nf 1 2 3\n")  # goes through the triangle
         floor = self.put("floor.obj", "v 0 0 0\nv 4 0 0\nv 0 4 0\nf 1 2 3\n")
         picture, frame = self.drawn(floor, corner)
-        self.assertEqual(frame["crossing_count"], 1)
+        self.assertEqual(frame["crossing_count"], 2)
         self.assertGreater(len(marked(picture, PURPLE)), 0)
 
     def test_an_interrupt_tells_the_pictures_so_far(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The C++ example that simulates a cloth on a sphere: no triangles meet beyond a common corner; the cloth folds and moves.
+"""The C++ example that simulates a cloth on a sphere: the cloth is free of self-intersection, folds and moves.
 
 usage: simulation_test.py DAEMON EXAMPLE REPOSITORY
 """
@@ -30,7 +30,7 @@ class Simulation(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 
-    def test_it_never_crosses_folds_and_is_the_same_each_time(self):
+    def test_it_is_free_of_self_intersection_folds_and_is_the_same_each_time(self):
         printed = self.printed()
         frames, crossings, folds, advanced = zip(*(map(float, line) for line in LINE.findall(printed)))
         self.assertEqual((frames[-1], crossings[-1]), (FRAMES, 0))

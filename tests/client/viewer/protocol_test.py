@@ -46,7 +46,7 @@ class Messages(ViewerCase):
                 frame = socket.until("frame", lambda frame: frame["frame"] == last)
                 self.assertEqual(frame["epoch"], scene["epoch"])
                 self.assertEqual(frame["vertex_triangle"], (3, 0, 1, 2))
-                self.assertEqual((frame["edge_edge"], frame["triangle_triangle"]), ((), ()))
+                self.assertEqual((frame["edge_edge"], frame["triangle_triangle"], frame["edge_triangle"]), ((), (), ()))
                 self.assertEqual((frame["contact_count"], frame["earliest_toi"]), (1, sent.earliest_toi))
                 self.assertEqual(frame["counts"]["contacts_vertex_triangle"], 1)
                 self.assertGreater(sum(frame["stage_ms"].values()), 0)
@@ -78,6 +78,17 @@ class Messages(ViewerCase):
         session.step({"tip": lowered(2)})
         frame = socket.until("frame")
         self.assertEqual(frame["triangle_triangle"], (0, 1, 2, 3, 4, 5))
+
+    def test_edges_through_triangles_are_named_by_their_ends_and_its_corners(self):
+        session = self.session({"floor": collided.Mesh(FLOOR, ONE), "tip": collided.Mesh(lowered(2), ONE)}, mode="dcd",
+                               kinds=["et"])
+        session.step()
+        socket, _ = self.look_at(session)
+        found = session.step({"tip": lowered(2)})
+        frame = socket.until("frame")
+        self.assertEqual([edge.tolist() for edge in found.elements], [[3, 0], [4, 0]])
+        self.assertEqual(frame["edge_triangle"], (3, 4, 0, 1, 2, 3, 5, 0, 1, 2))
+        self.assertEqual(frame["counts"]["contacts_edge_triangle"], 2)
 
     def test_an_edit_is_a_new_scene(self):
         session = self.session()

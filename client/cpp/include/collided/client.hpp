@@ -4,6 +4,7 @@
 
 #include "client/cpp/batch/scene_set.hpp"
 #include "client/cpp/client.hpp"
+#include "client/cpp/contours.hpp"
 #include "client/cpp/positions.hpp"
 #include "client/cpp/session.hpp"
 #include "client/cpp/watcher.hpp"

@@ -45,8 +45,8 @@ TEST(Surface, OfAllVerticesHasEveryElement) {
   EXPECT_EQ(surface.points, std::vector<uint32_t>{8});
   EXPECT_EQ(surface.first_vertex, (std::vector<uint32_t>{0, 3, 9}));
   EXPECT_EQ(surface.triangle_count, (std::vector<uint32_t>{1, 1}));
-  EXPECT_EQ(surface.elements.size(), 4u);
-  EXPECT_EQ(surface.elements[2], (std::array<uint32_t, 3>{7, 6, 6}));
+  EXPECT_EQ(surface.scene.element_count(), 4u);
+  EXPECT_EQ(surface.scene.element(2), (std::array<uint32_t, 3>{7, 6, 6}));
 }
 
 class ThinnedSurface : public ::testing::TestWithParam<uint32_t> {};

@@ -1,0 +1,13 @@
+#pragma once
+// How a command ends whose work is done.
+
+#include <stdexcept>
+
+namespace collided::cli {
+
+/// The work is done and its report is printed, but the result is not what was hoped for. Exit code 3.
+struct DoneBut : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace collided::cli
