@@ -1,9 +1,11 @@
 // collidectl detect: whether meshes touch, or what one step between two frames of a mesh finds.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "client/app/daemon/connection.hpp"
@@ -36,6 +38,7 @@ struct DetectOptions {
   std::string out, vtp, ply;
   bool has_chosen_kinds = false;   ///< the command did, not the user
   bool has_self_contacts = false;  ///< also with several meshes
+  bool is_kept = false;            ///< leaves out contacts that others cover
   bool json = false;
 };
 
@@ -65,6 +68,17 @@ void choose_detection(const CLI::App& command, DetectOptions& options) {
   if (options.has_chosen_kinds) detection.kinds = {"vt", "ee", "tt"};
 }
 
+/// Refuses --kept where the daemon does not find out which contacts are covered.
+void check_kept_contacts(const DetectOptions& options) {
+  const DetectionOptions& detection = options.detection;
+  const auto has = [&](const char* kind) { return std::ranges::count(detection.kinds, kind) > 0; };
+  if (detection.mode != "dcd" || detection.accuracy == "candidates" || detection.report != "all" || !has("vt") ||
+      !has("ee") || !options.server.part_devices.empty())
+    throw UsageError(
+        "--kept needs --mode dcd, --accuracy fast, guarded, certified or exact, --report all, the kinds vt and ee, and "
+        "one device");
+}
+
 void check_usage(const DetectOptions& options) {
   if (options.meshes.empty() == options.frames.empty()) throw UsageError("detect needs one of MESH... and --frames");
   const size_t frames = options.frames.size();
@@ -76,6 +90,7 @@ void check_usage(const DetectOptions& options) {
     throw UsageError("--mode ccd needs two frames, --frames FRAME0 FRAME1; what was given stands still");
   if (mode == "dcd" && frames == 2) throw UsageError("--mode dcd needs one frame; 2 were given");
   check_usage(options.detection);
+  if (options.is_kept) check_kept_contacts(options);
   check_one_output(options.out, options.json);
   DetectionOptions located =
       options.detection;  // files of points leave out what has none, unless it is all that is asked
@@ -151,19 +166,24 @@ void run(const DetectOptions& options) {
   for (client::MeshInput& mesh : meshes) mesh.no_self_contacts = meshes.size() > 1 && !options.has_self_contacts;
   v1::SceneSpec spec =
       scene_spec(options.server, options.detection, choose_format(options.position_format, step.is_double));
-  if (has_files(options)) ask_for_all_fields(spec);
   grow_box(spec, step.start);
   grow_box(spec, step.end);
   v1::Frame frame = step_frame(step, 1, spec);
   set_advance(options.detection, frame);
   Connection connection(options.server);
+  if (has_files(options) || options.is_kept) connection.ask_for_all_fields(spec);
+  if (options.is_kept && std::ranges::count(spec.fields(), int{v1::CONTACT_FIELD_FEATURES}) == 0)
+    spec.add_fields(v1::CONTACT_FIELD_FEATURES);  // an older daemon is refused, rather than nothing left out
   const SceneGuard scene = connection.create_scene(spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
-  const client::FrameOutput output = run_frame(stream, frame);
+  client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
+  const std::optional<uint64_t> covered = count_covered(output);
+  if (options.is_kept) leave_out_covered(output);
   Json summary = found_in_words(step, meshes, output, spec);
   summary["scene"] = scene_json(*scene);
   summary.update(found_json(output.done, spec));
+  if (covered) summary["covered_count"] = *covered;
   summary.update(advance_json(output));
   if (const auto contact = earliest_contact(output)) summary["earliest"] = *contact;
   summary.update(frame_json(output.done, spec.report()));
@@ -193,6 +213,8 @@ void add_detect(CLI::App& app) {
   command.add_flag(
       "--self", options->has_self_contacts,
       "Several meshes: also test each against itself; neighbours that go through each other are found by the kind et");
+  command.add_flag("--kept", options->is_kept,
+                   "List only contacts that no other one covers, one for each local minimum of distance (dcd)");
   add_detection_options(command, options->detection);
   add_half_thickness_option(command, options->detection);
   add_advance_options(command, options->detection);

@@ -124,8 +124,8 @@ class Renderer {
         motion_(motion),
         pattern_(pattern),
         pictures_(pictures),
-        spec_(spec_of()),
         connection_(options.server),
+        spec_(spec_of()),
         scene_(connection_.create_scene(spec_, thick_inputs(motion.meshes, options.detection))),
         stream_(connection_.stream(*scene_)),
         drawing_(options.picture, motion) {
@@ -154,7 +154,7 @@ class Renderer {
   v1::SceneSpec spec_of() const {
     v1::SceneSpec spec =
         scene_spec(options_.server, options_.detection, choose_format(options_.position_format, motion_.is_double));
-    ask_for_all_fields(spec);
+    connection_.ask_for_all_fields(spec);
     grow_box(spec, motion_);
     return spec;
   }
@@ -202,8 +202,8 @@ class Renderer {
   const Motion& motion_;
   const std::string pattern_;
   const int pictures_;
-  const v1::SceneSpec spec_;
   Connection connection_;
+  const v1::SceneSpec spec_;
   const SceneGuard scene_;
   client::FrameStream stream_;
   std::optional<CrossingFinder> crossings_;

@@ -44,9 +44,4 @@ std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::
   return ContactPoints{between(x[0], x[1], w[0]), between(x[2], x[3], w[1])};
 }
 
-void ask_for_all_fields(v1::SceneSpec& spec) {
-  for (int field = v1::CONTACT_FIELD_ELEMENTS; field <= v1::ContactField_MAX; ++field)
-    spec.add_fields(static_cast<v1::ContactField>(field));
-}
-
 }  // namespace collided::cli

@@ -25,7 +25,4 @@ uint32_t checked_id(const char* what, uint32_t id, size_t count);
 std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::Contacts& contacts, size_t i,
                                             const StepPositions& positions);
 
-/// Every field of a contact, for SceneSpec.fields.
-void ask_for_all_fields(v1::SceneSpec& spec);
-
 }  // namespace collided::cli
