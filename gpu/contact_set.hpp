@@ -57,7 +57,7 @@ struct PerField {
   Array<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each of two edges; if asked for
   Array<Normal> normals;                    ///< unit, as narrow/normal.hpp defines it; if asked for
   Array<uint8_t> flags;                     ///< ContactFlags; from kFast on
-  Array<uint8_t> features;                  ///< ClosestFeatures; of kinds of features in DCD, if asked for
+  Array<uint8_t> features;                  ///< FeatureBits; of kinds of features in DCD, if asked for
 };
 
 /// visit(field, array of each of `structs`) for each field in order.
@@ -130,7 +130,7 @@ enum ContactFlags : uint8_t {
 /// edges kOfFirstEdge and kOfSecondEdge have 0 for the inside of the edge, 1 and 2 for its ends. What covers it:
 /// kNearerAtFirst, kNearerAtSecond: the surface of the first or second feature's mesh comes clearly nearer beside the
 /// closest point; kSameAsBefore: an earlier contact, in the order of answers, has the same two features.
-enum ClosestFeatures : uint8_t {
+enum FeatureBits : uint8_t {
   kOfTriangle = 7,
   kOfFirstEdge = 3,
   kOfSecondEdge = 12,

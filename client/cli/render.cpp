@@ -185,11 +185,9 @@ class Renderer {
               std::optional<uint64_t> crossings) const {
     const v1::SceneSpec& spec = scene_->spec();
     if (!options_.json)
-      print_summary(
-          out,
-          (is_standard_output(out) ? "" : out + ": ") + frame_text(output.done, spec) +
-              (crossings ? ", " + std::to_string(*crossings) + " crossings of triangles that share no vertex" : "") +
-              "\n");
+      print_summary(out, (is_standard_output(out) ? "" : out + ": ") + frame_text(output.done, spec) +
+                             (crossings ? ", " + std::to_string(*crossings) + " pairs of triangles that cross" : "") +
+                             "\n");
     Json json = {{"frame", output.frame_id}};
     if (!motion_.files.empty()) json["file"] = motion_.files[static_cast<size_t>(last)];
     json["out"] = out;
@@ -270,8 +268,7 @@ void add_picture_options(CLI::App& command, RenderOptions& options) {
       ->check(finite())
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command.add_flag("--crossings", options.has_crossings,
-                   "Also mark where triangles that share no vertex cross, decided exactly");
+  command.add_flag("--crossings", options.has_crossings, "Also mark where triangles cross, decided exactly");
 }
 
 }  // namespace

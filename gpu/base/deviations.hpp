@@ -16,6 +16,18 @@ COLLIDED_HD inline uint32_t mesh_at(const uint32_t* first_vertex, uint32_t meshe
   return low;
 }
 
+/// Which mesh a vertex is of, counted through all worlds.
+struct MeshesOfVertices {
+  const uint32_t* first_vertex = nullptr;  ///< of each mesh of one world
+  uint32_t meshes = 0;
+  uint32_t of_world = 0;  ///< vertices of each world
+
+  COLLIDED_HD uint32_t operator[](uint32_t vertex) const {
+    const uint32_t world = vertex / of_world;
+    return world * meshes + mesh_at(first_vertex, meshes, vertex - world * of_world);
+  }
+};
+
 /// By mesh. None where no mesh can turn.
 struct Deviations {
   const uint32_t* first_vertex = nullptr;  ///< of each mesh

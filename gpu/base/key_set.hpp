@@ -11,6 +11,13 @@ namespace collided {
 /// A slot that is free; no key is this number.
 constexpr uint64_t kNoKey = ~uint64_t{0};
 
+/// Neighbouring ids must not lie in neighbouring slots (the finalizer of splitmix64).
+COLLIDED_HD inline uint64_t mixed_key(uint64_t key) {
+  key = (key ^ key >> 30) * 0xbf58476d1ce4e5b9u;
+  key = (key ^ key >> 27) * 0x94d049bb133111ebu;
+  return key ^ key >> 31;
+}
+
 struct KeySet {
   Span<const uint64_t> slots;  ///< a power of two of them; none: the empty set, which takes no look-up
 
@@ -19,17 +26,9 @@ struct KeySet {
   /// Where the key is, or else the free slot where it would be.
   COLLIDED_HD uint64_t slot_of(uint64_t key) const {
     const uint64_t last = slots.size() - 1;
-    uint64_t slot = mixed(key) & last;
+    uint64_t slot = mixed_key(key) & last;
     while (slots[slot] != key && slots[slot] != kNoKey) slot = (slot + 1) & last;
     return slot;
-  }
-
- private:
-  /// Neighbouring ids must not lie in neighbouring slots (the finalizer of splitmix64).
-  COLLIDED_HD static uint64_t mixed(uint64_t key) {
-    key = (key ^ key >> 30) * 0xbf58476d1ce4e5b9u;
-    key = (key ^ key >> 27) * 0x94d049bb133111ebu;
-    return key ^ key >> 31;
   }
 };
 

@@ -24,7 +24,6 @@ template <class Real>
 struct WriteContact {
   Span<const ContactData<Real>> data;  ///< of the list; empty: there are only keys
   Span<const Normal> normals;          ///< of the list; empty if they are not wanted
-  Span<const uint8_t> features;        ///< likewise
   FeatureRanks ranks;
   ContactColumns columns;
 
@@ -36,7 +35,6 @@ struct WriteContact {
     columns.elements[place] = {rank - ranks.first_of_kind(rank), second_id(key)};
     if (has_data()) columns.put(place, data[from]);
     if (!normals.empty()) columns.normals[place] = normals[from];
-    if (!features.empty()) columns.features[place] = features[from];
   }
 };
 
@@ -51,7 +49,7 @@ struct ColumnBuffers : PerField<BufferOn<Exec>::template Type> {
   explicit ColumnBuffers(Exec& exec)
       : PerField<BufferOn<Exec>::template Type>{{exec, "keys"},     {exec, "contacts"}, {exec, "contacts"},
                                                 {exec, "contacts"}, {exec, "contacts"}, {exec, "contacts"},
-                                                {exec, "features"}} {}
+                                                {exec, "contacts"}} {}
 
   void reserve(uint64_t count, FieldSet wanted) {
     for_each_field(

@@ -52,6 +52,19 @@ constexpr bool is_of_features(ContactKind kind) { return index_of(kind) < kFeatu
 /// Whether contacts of these kinds have edges.
 constexpr bool have_edges(const PerKind<bool>& kinds) { return kinds.edge_edge || kinds.edge_triangle; }
 
+/// Whether frames of DCD tell on which features the closest points of contacts are. Several devices, each of which
+/// knows a part of the contacts, cannot tell.
+inline bool tells_features(const SceneSpec& spec) {
+  return spec.fields.has(ContactField::kFeatures) && spec.mode != Mode::kCcd && spec.part_devices.empty() &&
+         (spec.kinds.vertex_triangle || spec.kinds.edge_edge);
+}
+/// The kinds that a scene looks for: which contacts are covered depends on which meshes cross.
+inline PerKind<bool> kinds_looked_for(const SceneSpec& spec) {
+  PerKind<bool> kinds = spec.kinds;
+  kinds.edge_triangle = kinds.edge_triangle || tells_features(spec);
+  return kinds;
+}
+
 /// The kinds of features, on the tables of a scene.
 struct FeatureKinds {
   VertexTriangle vertex_triangle;

@@ -9,8 +9,9 @@ ExactAnswer decide_exactly(const ExactQuestion& question, const ExactPoints& p) 
   return {impact.hit, impact.toi, impact.initial};
 }
 
-ExactAnswer decide_triangles_exactly(const ExactTriangles& p) {
-  return {exact_triangles_intersect({p[0], p[1], p[2]}, {p[3], p[4], p[5]}), 0, false};
+ExactAnswer decide_triangles_exactly(const ExactTriangles& p, bool has_common_corner) {
+  const auto meet = has_common_corner ? exact_triangles_meet_beyond_corner : exact_triangles_intersect;
+  return {meet({p[0], p[1], p[2]}, {p[3], p[4], p[5]}), 0, false};
 }
 
 }  // namespace collided

@@ -29,4 +29,8 @@ bool exact_proximity(ContactKind kind, const Vec3<double> (&p)[4], const Contact
 /// The closed triangles have a point in common; coplanar triangles and triangles without area included.
 bool exact_triangles_intersect(const Vec3<double> (&a)[3], const Vec3<double> (&b)[3]);
 
+/// The first corners of the triangles are one vertex: the closed side opposite to it of one meets the other closed
+/// triangle. If both have area, they then have a point in common that is not that corner, and only then.
+bool exact_triangles_meet_beyond_corner(const Vec3<double> (&a)[3], const Vec3<double> (&b)[3]);
+
 }  // namespace collided

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "gpu/exact/crossings.hpp"
 #include "gpu/exact/exact.hpp"
 #include "gpu/exact/integers.hpp"
 
@@ -64,6 +65,11 @@ bool some_edge_meets(const Seen& seen, const Point (&t)[3]) {
   return false;
 }
 
+/// The side from the second corner to the third.
+bool last_side_meets(const Point (&a)[3], const Point (&b)[3]) {
+  return exact_edge_triangle({a[1], a[2], b[0], b[1], b[2]}, {0, 1, 2, 3, 4}).meets;
+}
+
 }  // namespace
 
 // Where triangles meet, an edge of one meets the other: outside a common plane their intersection is a segment whose
@@ -74,6 +80,10 @@ bool exact_triangles_intersect(const Vec3<double> (&a)[3], const Vec3<double> (&
   if (a_from_b.on_one_side()) return false;
   const Seen b_from_a(b, a);
   return !b_from_a.on_one_side() && (some_edge_meets(a_from_b, b) || some_edge_meets(b_from_a, a));
+}
+
+bool exact_triangles_meet_beyond_corner(const Vec3<double> (&a)[3], const Vec3<double> (&b)[3]) {
+  return last_side_meets(a, b) || last_side_meets(b, a);
 }
 
 }  // namespace collided

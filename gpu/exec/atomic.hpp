@@ -37,6 +37,27 @@ COLLIDED_HD inline void atomic_min(uint64_t& target, uint64_t value) {
 #endif
 }
 
+COLLIDED_HD inline void atomic_min(uint32_t& target, uint32_t value) {
+#ifdef __CUDA_ARCH__
+  atomicMin(&target, value);
+#else
+  std::atomic_ref<uint32_t> least(target);
+  uint32_t seen = least.load(std::memory_order_relaxed);
+  while (value < seen && !least.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
+/// Becomes `value` where it is `expected`. Returns the value before.
+COLLIDED_HD inline uint32_t atomic_claim(uint32_t& target, uint32_t expected, uint32_t value) {
+#ifdef __CUDA_ARCH__
+  return atomicCAS(&target, expected, value);
+#else
+  std::atomic_ref<uint32_t>(target).compare_exchange_strong(expected, value, std::memory_order_relaxed);
+  return expected;
+#endif
+}
+
 /// Swaps; the thread that finds another's value sees all that the other one wrote before.
 COLLIDED_HD inline uint32_t exchange_in_order(uint32_t& target, uint32_t value) {
 #ifdef __CUDA_ARCH__

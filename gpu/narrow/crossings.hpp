@@ -4,7 +4,7 @@
 // sure nor surely apart is left to exact arithmetic (exact/crossings.hpp), ties among it.
 
 #include "gpu/base/twofold.hpp"
-#include "gpu/narrow/triangle_pairs.hpp"
+#include "gpu/narrow/triangle_differences.hpp"
 
 namespace collided {
 
@@ -65,6 +65,11 @@ class EdgesFromTriangle {
   }
   /// What signs tell of this edge.
   COLLIDED_HD Crossing look(int i) const { return edge(i).look(side_[i] * side_[(i + 1) % 3]); }
+  /// What signs tell of this edge, and where they leave it in doubt, planes.
+  COLLIDED_HD Crossing look_closely(int i) const {
+    const Crossing seen = look(i);
+    return seen == Crossing::kDoubt && edge(i).are_apart() ? Crossing::kNone : seen;
+  }
   /// Those edges, one bit for each, that signs do not rule out.
   COLLIDED_HD uint32_t left_of(uint32_t edges) const {
     uint32_t left = 0;

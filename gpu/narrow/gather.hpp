@@ -4,6 +4,7 @@
 #include "gpu/base/half_thickness.hpp"
 #include "gpu/base/worlds.hpp"
 #include "gpu/contacts/kinds.hpp"
+#include "gpu/narrow/triangle_pairs.hpp"
 
 namespace collided {
 
@@ -38,6 +39,19 @@ struct GatherPoints {
   }
 };
 
+/// The ids of the four vertices of each candidate.
+template <class Kind>
+struct GatherStencils {
+  Kind kind;
+  Span<const uint64_t> candidates;
+  Span<uint32_t> ids;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    const Stencil s = kind.stencil(candidates[i]);
+    for (int k = 0; k < 4; ++k) ids[4 * i + k] = s.v[k];
+  }
+};
+
 /// The half thicknesses of each candidate's two meshes.
 template <class Kind>
 struct GatherHalves {
@@ -52,16 +66,18 @@ struct GatherHalves {
   }
 };
 
-/// The corners of the first triangle of each pair, then of the second.
+/// The corners of the first triangle of each pair, then of the second. A common corner comes first in both.
 template <class Real>
 struct GatherCorners {
   const Vec3<Real>* positions;
   WorldTable<Vec3<uint32_t>> triangles;
   Span<const uint64_t> pairs;
   Span<Vec3<Real>> points;
+  Span<uint32_t> common;  ///< 1 if there is such a corner, else 0
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const Vec3<uint32_t> a = triangles[pairs[i] >> 32], b = triangles[static_cast<uint32_t>(pairs[i])];
+    Vec3<uint32_t> a = triangles[pairs[i] >> 32], b = triangles[static_cast<uint32_t>(pairs[i])];
+    common[i] = turn_to_common_corner(a, b) ? 1 : 0;
     const uint32_t v[6] = {a.x, a.y, a.z, b.x, b.y, b.z};
     for (int k = 0; k < 6; ++k) points[6 * i + k] = positions[v[k]];
   }

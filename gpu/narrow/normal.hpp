@@ -5,6 +5,8 @@
 // step (0 in DCD), n is the features' common normal, (b - a) x (c - a) of triangle a b c or (a1 - a0) x (b1 - b0) of
 // two edges, and "clear" is more than 2^-26 of what the features extend over.
 //   1. If p and q are clearly apart: (p - q) / |p - q|.
+//      Else, in a frame of DCD that tells features: the normal that supports both surfaces (support_normal.hpp), if
+//      there is one.
 //   2. Else n / |n| or -n / |n|, against w, if |n| is clear and w is more than 2^-10 off the plane across n.
 //   3. Else p - q when they were last clearly apart, if it separates the features at the contact but for what is not
 //      clear, and opposes w; else of the directions of near_miss.hpp that do so the one closest to it.
@@ -19,6 +21,7 @@
 
 #include "gpu/base/keys.hpp"
 #include "gpu/narrow/near_miss.hpp"
+#include "gpu/narrow/support_normal.hpp"
 
 namespace collided {
 
@@ -144,6 +147,7 @@ struct WriteNormals {
   Span<const uint64_t> keys;
   Span<const ContactData<Real>> data;
   Span<Normal> normals;
+  Surfaces<Real> surfaces;  ///< of DCD; may be unknown
 
   COLLIDED_HD void operator()(uint64_t i) const {
     use_contact(kinds, ranks, keys[i],
@@ -153,7 +157,12 @@ struct WriteNormals {
  private:
   template <class Kind>
   COLLIDED_HD Normal normal_of(const Kind& kind, uint64_t key, double t) const {
-    return contact_normal<Kind>(points_of(kind.stencil(key), start, end), t, clear);
+    const Stencil stencil = kind.stencil(key);
+    if (surfaces.fans.are_known()) {
+      const Vec3<double> n = support_normal(surfaces, kind, stencil, clear);
+      if (dot(n, n) > 0) return {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
+    }
+    return contact_normal<Kind>(points_of(stencil, start, end), t, clear);
   }
 };
 

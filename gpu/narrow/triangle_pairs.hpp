@@ -2,53 +2,26 @@
 // Triangles of one frame that intersect, as closed sets: certain by bounds in the working precision, or near.
 // Apart: the normals, the products of an edge of each and, for coplanar triangles, the normals of the edges in the
 // plane hold a separating axis whenever there is one. Certain to meet: an edge of one goes through the inside of the
-// other, that is, its ends lie on both sides of the plane and it passes all three edges on the same side.
+// other.
+// Triangles that share one corner always meet there. They are a contact if the side of one that is opposite to that
+// corner meets the other. For triangles with area this is the same as a second common point: the part that they share
+// is convex and begins at the corner, and where it ends, one of these sides does.
 
-#include "gpu/narrow/certificate.hpp"
+#include "gpu/narrow/crossings.hpp"
 
 namespace collided {
 
-/// Differences a_i - b_j of the vertices of two triangles, scaled as in Differences.
-template <class Work>
-struct TriangleDifferences {
-  Vec3<Work> d[3][3];
-  Work extent;
-};
-
-/// False if all six vertices coincide.
-template <class Work, class Real>
-COLLIDED_HD bool load_differences(const Vec3<uint32_t>& a, const Vec3<uint32_t>& b, const Vec3<Real>* positions,
-                                  TriangleDifferences<Work>& out) {
-  using Wide = Wider<Work, Real>;
-  const uint32_t first[3] = {a.x, a.y, a.z}, second[3] = {b.x, b.y, b.z};
-  Vec3<Wide> d[3][3];
-  Wide extent = 0;
-  for (int i = 0; i < 3; ++i)
+/// Turns the triangles until a vertex that both have comes first in both. Returns false, and leaves them as they are,
+/// if they have none in common.
+COLLIDED_HD inline bool turn_to_common_corner(Vec3<uint32_t>& a, Vec3<uint32_t>& b) {
+  for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      d[i][j] = convert<Wide>(positions[first[i]]) - convert<Wide>(positions[second[j]]);
-      extent = max(extent, largest_component(d[i][j]));
+      if (a.x == b.x) return true;
+      b = {b.y, b.z, b.x};
     }
-  if (extent == 0) return false;
-  const Wide scale = unit_scale(extent);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) out.d[i][j] = convert<Work>(scale * d[i][j]);
-  out.extent = static_cast<Work>(scale * extent);
-  return true;
-}
-
-/// Whether a plane across the axis is certain to part n points from the corners of a triangle, from which they are at
-/// d.
-template <class Work, int n>
-COLLIDED_HD bool separates(const Vec3<Work> (&d)[n][3], const Vec3<Work>& axis) {
-  const Direction<Work> direction = direction_of(axis);
-  if (direction.length == 0) return false;
-  bool above = true, below = true;
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < 3; ++j) {
-      above = above && lower_bound_along(direction.n, d[i][j], Work(0)) > 0;
-      below = below && lower_bound_along(Work(-1) * direction.n, d[i][j], Work(0)) > 0;
-    }
-  return above || below;
+    a = {a.y, a.z, a.x};
+  }
+  return false;
 }
 
 template <class Work>
@@ -68,27 +41,25 @@ COLLIDED_HD bool are_apart(const TriangleDifferences<Work>& pair) {
   return false;
 }
 
-/// Whether the edge of the first triangle from corner i to corner k goes through the inside of the second, for
-/// certain; with `swapped` the triangles change places.
+/// Looks whether two triangles without a common vertex meet.
 template <class Work>
-COLLIDED_HD bool pierces(const TriangleDifferences<Work>& pair, int i, int k, bool swapped) {
-  Vec3<Work> from[3], to[3];
-  for (int j = 0; j < 3; ++j) {
-    from[j] = swapped ? Work(-1) * pair.d[j][i] : pair.d[i][j];
-    to[j] = swapped ? Work(-1) * pair.d[j][k] : pair.d[k][j];
-  }
-  const Work m = pair.extent;
-  if (certain_sign(from[0], from[1], from[2], m) * certain_sign(to[0], to[1], to[2], m) != -1) return false;
-  const int side = certain_sign(from[0], from[1], to[0], m);
-  return side != 0 && certain_sign(from[1], from[2], to[1], m) == side &&
-         certain_sign(from[2], from[0], to[2], m) == side;
+COLLIDED_HD Crossing look_at(const TriangleDifferences<Work>& pair) {
+  if (are_apart(pair)) return Crossing::kNone;
+  const EdgesFromTriangle<Work, false> of_first(pair);
+  const EdgesFromTriangle<Work, true> of_second(pair);
+  for (int k = 0; k < 3; ++k)
+    if (of_first.look(k) == Crossing::kSure || of_second.look(k) == Crossing::kSure) return Crossing::kSure;
+  return Crossing::kDoubt;
 }
 
+/// Looks whether two triangles whose first corners are one vertex meet beyond it.
 template <class Work>
-COLLIDED_HD bool certainly_meet(const TriangleDifferences<Work>& pair) {
-  for (int i = 0; i < 3; ++i)
-    if (pierces(pair, i, (i + 1) % 3, false) || pierces(pair, i, (i + 1) % 3, true)) return true;
-  return false;
+COLLIDED_HD COLLIDED_CALLED Crossing look_beyond_corner(const TriangleDifferences<Work>& pair) {
+  constexpr int kOpposite = 1;  // the side from the second corner to the third
+  const Crossing first = EdgesFromTriangle<Work, false>(pair).look_closely(kOpposite);
+  if (first == Crossing::kSure) return first;
+  const Crossing second = EdgesFromTriangle<Work, true>(pair).look_closely(kOpposite);
+  return second == Crossing::kNone ? first : second;
 }
 
 template <class Work, class Real>
@@ -101,14 +72,13 @@ struct TestTriangles {
   COLLIDED_HD void operator()(uint64_t i) const {
     if (contacts.early_exit.is_over()) return;
     const uint64_t key = pairs[i];
-    const Vec3<uint32_t> a = triangles[key >> 32], b = triangles[static_cast<uint32_t>(key)];
+    Vec3<uint32_t> a = triangles[key >> 32], b = triangles[static_cast<uint32_t>(key)];
+    const bool has_common_corner = turn_to_common_corner(a, b);
     TriangleDifferences<Work> pair;
-    uint8_t flags = kFlagCertified;
-    if (load_differences(a, b, positions, pair)) {
-      if (are_apart(pair)) return;
-      if (!certainly_meet(pair)) flags = kFlagNear;
-    }
-    contacts.report(key, {0, Real(0), Real(0), Real(0), flags});
+    Crossing seen = Crossing::kSure;  // all in one place
+    if (load_differences(a, b, positions, pair)) seen = has_common_corner ? look_beyond_corner(pair) : look_at(pair);
+    if (seen == Crossing::kNone) return;
+    contacts.report(key, {0, Real(0), Real(0), Real(0), seen == Crossing::kSure ? kFlagCertified : kFlagNear});
   }
 };
 

@@ -55,7 +55,11 @@ class SceneDryRun {
     const uint64_t of_world = counts_.triangles / count_worlds(spec_);
     tables.triangles.allocate(of_world);
     tables.owned.allocate(counts_.triangles);
-    if (have_edges(spec_.kinds)) tables.triangle_edges.allocate(of_world);
+    if (have_edges(kinds_looked_for(spec_))) tables.triangle_edges.allocate(of_world);
+    if (tells_features(spec_)) {
+      tables.fan_begin.allocate(counts_.vertices / count_worlds(spec_) + 1);
+      tables.fan_elements.allocate(3 * of_world);
+    }
     if (needs_pair_filter(spec_)) {
       tables.mesh_of_triangle.allocate(of_world);
       tables.rules.allocate(spec_.meshes.size());
@@ -63,10 +67,9 @@ class SceneDryRun {
       tables.idle = idle_meshes(spec_);
       tables.excluded_meshes.allocate(excluded_mesh_slots(spec_).size());
     }
-    if (thickest_of(spec_) > 0) {
-      tables.first_vertex.allocate(spec_.meshes.size());
-      tables.half_thickness.allocate(spec_.meshes.size());
-    }
+    const bool is_thick = thickest_of(spec_) > 0;
+    if (is_thick || tells_features(spec_)) tables.first_vertex.allocate(spec_.meshes.size());
+    if (is_thick) tables.half_thickness.allocate(spec_.meshes.size());
     scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     if (spec_.worlds > 0) scene_.worlds.reserve(spec_.worlds);
   }

@@ -3,6 +3,8 @@
 #include <functional>
 #include <string_view>
 
+#include "gpu/contacts/kinds.hpp"
+
 namespace collided {
 namespace {
 
@@ -45,7 +47,7 @@ uint64_t hash_of_scene(const SceneSpec& spec, const Topology& topology) {
   hash.add(topology.edges.data(), topology.edges.size());
   hash.add_each(topology.vertex_count, spec.worlds, spec.device.backend, spec.mode, spec.accuracy, spec.scalar,
                 spec.engine, spec.report, spec.thickness, spec.delta, spec.min_separation, spec.kinds.vertex_triangle,
-                spec.kinds.edge_edge, spec.kinds.triangle_triangle, spec.kinds.edge_triangle);
+                spec.kinds.edge_edge, spec.kinds.triangle_triangle, kinds_looked_for(spec).edge_triangle);
   for (const MeshSpec& mesh : spec.meshes) hash.add_each(mesh.half_thickness);
   return hash.value();
 }

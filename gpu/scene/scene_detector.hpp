@@ -103,7 +103,8 @@ class SceneDetector final : public Detector {
   FrameResult detect(const FrameInput& frame, const FrameSettings& settings) {
     const bool begins_at_rest = rest_pairs_.are_awaited();
     if (shard_ != nullptr) scene_.share.take(shard_->share);
-    if (have_edges(spec_.kinds) && (settings.accuracy != Accuracy::kCandidates || begins_at_rest || frame.room.stencils))
+    if (have_edges(kinds_looked_for(spec_)) &&
+        (settings.accuracy != Accuracy::kCandidates || begins_at_rest || frame.room.stencils))
       model_.require_edges();
     const bool boxes_static = !positions_.are_boxes_good();
     Slot* slot = nullptr;

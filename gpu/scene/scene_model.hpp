@@ -63,8 +63,11 @@ class SceneModel {
     ResidentTopology<Exec>& resident = buffers_.topology;
     send(resident.triangles, topology_.triangles);
     send_to_all_worlds(resident.owned, features.owned);
-    if (have_edges(this->spec().kinds)) send(resident.triangle_edges, features.triangle_edges);
-    if (have_edges(this->spec().kinds) && this->spec().accuracy != Accuracy::kCandidates) require_edges();
+    const bool has_edges = have_edges(kinds_looked_for(this->spec()));
+    if (has_edges) send(resident.triangle_edges, features.triangle_edges);
+    if (has_edges && this->spec().accuracy != Accuracy::kCandidates) require_edges();
+    send(resident.fan_begin, features.fans.begin);
+    send(resident.fan_elements, features.fans.elements);
     send_rules(features.rings);
     send_halves();
   }
@@ -76,6 +79,8 @@ class SceneModel {
     copy(buffers_.topology.owned, before.buffers.topology.owned);
     copy(buffers_.topology.triangle_edges, before.buffers.topology.triangle_edges);
     copy(buffers_.topology.edges, before.buffers.topology.edges);
+    copy(buffers_.topology.fan_begin, before.buffers.topology.fan_begin);
+    copy(buffers_.topology.fan_elements, before.buffers.topology.fan_elements);
     send_rules(rings);
     send_halves();
   }
@@ -105,12 +110,13 @@ class SceneModel {
     send(resident.ring_vertices, rings.vertices);
   }
   void send_halves() {
-    if (thickest_of(spec()) == 0) return;
     const size_t meshes = spec().meshes.size();
+    if (thickest_of(spec()) > 0 || tells_features(spec()))
+      send(buffers_.topology.first_vertex,
+           std::vector(shape_.vertex_offset.begin(), shape_.vertex_offset.begin() + meshes));
+    if (thickest_of(spec()) == 0) return;
     std::vector<double> halves;
     for (const MeshSpec& mesh : spec().meshes) halves.push_back(mesh.half_thickness);
-    send(buffers_.topology.first_vertex,
-         std::vector(shape_.vertex_offset.begin(), shape_.vertex_offset.begin() + meshes));
     send(buffers_.topology.half_thickness, halves);
   }
   static std::vector<uint32_t> vertex_offsets(const Topology& topology, uint32_t worlds) {

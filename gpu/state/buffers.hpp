@@ -14,6 +14,7 @@
 #include "gpu/exec/buffer.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
 #include "gpu/narrow/floors.hpp"
+#include "gpu/narrow/surfaces.hpp"
 #include "gpu/search/elementary.hpp"
 #include "gpu/search/excluded_pairs.hpp"
 #include "gpu/state/settings.hpp"
@@ -50,7 +51,9 @@ struct ResidentTopology {
         neighbour_begin(exec, "advance"),
         neighbours(exec, "advance"),
         group_of(exec, "advance"),
-        rest_pairs(exec, "rest_pairs") {}
+        rest_pairs(exec, "rest_pairs"),
+        fan_begin(exec, "fans"),
+        fan_elements(exec, "fans") {}
 
   PairFilter filter() const {
     return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}, shape.is_one() ? 0 : shape.triangles};
@@ -62,6 +65,10 @@ struct ResidentTopology {
     return {first_vertex.data(), half_thickness.data(), static_cast<uint32_t>(half_thickness.capacity()),
             shape.is_one() ? 0 : shape.vertices};
   }
+  MeshesOfVertices meshes() const {
+    return {first_vertex.data(), static_cast<uint32_t>(first_vertex.capacity()), shape.vertices};
+  }
+  Fans fans() const { return {fan_begin.all(), fan_elements.all(), corners(), shape}; }
   ExcludedPairs excluded_pairs() const { return {rings(), {rest_pairs.all()}}; }
 
   // Of all worlds.
@@ -80,8 +87,8 @@ struct ResidentTopology {
   uint32_t branches = 0;                   ///< as count_branches() says
   IdleMeshes idle;                         ///< by mesh of one world
   Buffer<uint64_t, Exec> excluded_meshes;  ///< slots of a KeySet
-  Buffer<uint32_t, Exec> first_vertex;     ///< of each mesh of one world; scenes with thick meshes have these two
-  Buffer<double, Exec> half_thickness;     ///< of each mesh
+  Buffer<uint32_t, Exec> first_vertex;     ///< of each mesh of one world; scenes with thick meshes or features
+  Buffer<double, Exec> half_thickness;     ///< of each mesh; scenes with thick meshes
   Buffer<uint32_t, Exec> ring_begin;
   Buffer<uint32_t, Exec> ring_vertices;
   Buffer<uint32_t, Exec> neighbour_begin;  ///< of each vertex; scenes that advance have these three
@@ -89,6 +96,8 @@ struct ResidentTopology {
   AdvanceMode groups_are_of = {};
   Buffer<uint32_t, Exec> group_of;    ///< of each vertex the first of those that share its fraction, or kStands
   Buffer<uint64_t, Exec> rest_pairs;  ///< slots of a KeySet, those of the first frame
+  Buffer<uint32_t, Exec> fan_begin;   ///< of each vertex; scenes that tell features have these two
+  Buffer<uint32_t, Exec> fan_elements;
 };
 
 /// Candidates of one kind on their way through the narrow phase.
@@ -263,6 +272,8 @@ struct WorkBuffers {
         normals(exec, "contacts"),
         columns(exec),
         order(exec),
+        pair_keys(exec, "covering"),
+        pair_slots(exec, "covering"),
         room(exec, "contacts"),
         layout(exec, "contacts"),
         exact_keys(exec, "exact"),
@@ -276,7 +287,7 @@ struct WorkBuffers {
   Buffer<Path<Real>, Exec> paths;  ///< of each vertex, where records do not have them
   Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn or are thick
   Buffer<StepState, Exec> state;
-  Buffer<uint64_t, Exec> triangle_pairs;  ///< of one kind after the other
+  Buffer<uint64_t, Exec> triangle_pairs;                         ///< of one kind after the other
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   std::array<BlockingPairs<Exec>, kFeatureKinds> blocking;       ///< likewise; frames that advance
   FractionBuffers<Exec> ways;                                    ///< frames that advance
@@ -286,13 +297,15 @@ struct WorkBuffers {
   Buffer<Normal, Exec> normals;         ///< of the contacts as they were found
   ColumnBuffers<Exec> columns;          ///< in canonical order
   OrderBuffers<Exec> order;
+  Buffer<uint64_t, Exec> pair_keys;    ///< of each contact (narrow/covering.hpp); frames that tell features
+  Buffer<uint32_t, Exec> pair_slots;   ///< likewise
   Buffer<Span<std::byte>, Exec> room;  ///< where contacts stay; frames that have such memory
   Buffer<ContactLayout, Exec> layout;  ///< of those there
   Buffer<uint64_t, Exec> exact_keys;
   Buffer<Vec3<Real>, Exec> exact_points;
   Buffer<PairHalves, Exec> exact_halves;  ///< of the keys; scenes with thick meshes
   Buffer<uint32_t, Exec> exact_ids;
-  Buffer<Vec3<Real>, Exec> sample;        ///< positions on their way to those who watch the scene
+  Buffer<Vec3<Real>, Exec> sample;  ///< positions on their way to those who watch the scene
 };
 
 template <Executor Exec, class Real>
@@ -339,6 +352,9 @@ struct SceneBuffers : ResidentBuffers<Exec, Real>, WorkBuffers<Exec, Real> {
 
   /// Of each triangle's boxes; empty where all have the same, whatever an edit that was undone left there.
   Span<Real> triangle_inflations() const { return have_inflations() ? this->inflations.all() : Span<Real>{}; }
+
+  /// In a frame of DCD; unknown where no features are told.
+  Surfaces<Real> surfaces() const { return {this->end.data(), this->topology.fans()}; }
 
   /// At t = 0; in DCD the frame's own.
   const Vec3<Real>* positions_at_start(bool is_ccd) const { return is_ccd ? this->start.data() : this->end.data(); }

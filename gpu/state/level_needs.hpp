@@ -25,6 +25,7 @@ struct LevelNeeds {
   FieldSet fields = {};           ///< that are asked for
   bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
   bool tells_contacts = true;     ///< the step finds contacts
+  bool tells_features = false;    ///< on which features their closest points are, and which are covered
   bool advances = false;          ///< the step finds the pairs that ways are shortened for
   WayRules ways = {};             ///< of such a step
   bool has_room = false;          ///< there is memory of the backend for contacts
@@ -74,6 +75,7 @@ struct LevelNeeds {
       return has_weights ? present.with(ContactField::kWeights) : present;
     }
     if (is_ccd()) present = present.with(ContactField::kToi);
+    if (tells_features) present = present.with(ContactField::kFeatures);
     if (is_any_hit()) return present;  // no contact is returned
     for (const ContactField field : {ContactField::kDistance, ContactField::kWeights, ContactField::kNormals})
       if (fields.has(field)) present = present.with(field);
@@ -103,14 +105,16 @@ struct LevelNeeds {
 
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings, const ContactRoom& room = {}) {
   LevelNeeds needs{settings, spec.kinds, spec.fields};
-  if (needs.is_ccd()) needs.kinds.edge_triangle = false;
+  needs.tells_features =
+      collided::tells_features(spec) && !needs.is_ccd() && needs.has_narrow_phase() && settings.report == Report::kAll;
+  needs.kinds.edge_triangle = !needs.is_ccd() && (spec.kinds.edge_triangle || needs.tells_features);
   needs.has_room = !room.memory.empty();
   if (!needs.has_room) return needs;
   for_each_kind(
-      [&](ContactKind kind, bool is_wanted) {
-        if (is_wanted) needs.widths.set(kind, needs.fields_of(kind) & room.fields, room.stencils);
+      [&](ContactKind kind, bool is_wanted, bool is_told) {
+        if (is_wanted && is_told) needs.widths.set(kind, needs.fields_of(kind) & room.fields, room.stencils);
       },
-      needs.kinds);
+      needs.kinds, spec.kinds);
   return needs;
 }
 

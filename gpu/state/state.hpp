@@ -54,6 +54,7 @@ struct StepState {
 
   uint64_t exact_decisions, undecided;   ///< at kExact; those that are left to the host
   uint64_t decided_last[kFeatureKinds];  ///< contacts that are not simple
+  uint64_t open_features;                ///< of contacts, that the host has to tell
 
   uint64_t next_item[kContactKinds];      ///< of the searches for pairs, by the first kind that each is for
   uint64_t next_query[kFeatureKinds][2];  ///< of the narrow phase, in float and in double

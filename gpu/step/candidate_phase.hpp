@@ -114,7 +114,8 @@ class CandidatePhase {
             is_narrow ? 0 : narrow_.ranks().begin[index_of(kind)],
             narrow_.early_exit(kind),
             {pairs_counter(kind), nullptr, nullptr},
-            scene_.topology.rings()};
+            scene_.topology.rings(),
+            is_narrow ? 1 : 0};  // boxes say nothing of neighbours: they always overlap
   }
   FiltersOfWorlds filters_of_worlds() const {
     return counts_.worlds == 0 ? FiltersOfWorlds{}

@@ -19,14 +19,13 @@ class ContactPhase {
   /// The next steps have these needs.
   void begin(const LevelNeeds& needs) { needs_ = needs; }
 
+  /// Crossings are looked for beside the others, but where one kind may answer for all, or shares its list.
   void detect_all() {
-    if (is_of_features(first_of(needs_.kinds))) detect_features();
-    if (needs_.kinds.triangle_triangle)
-      detect_triangles(
-          ContactKind::kTriangleTriangle, [&] { candidates_.search_triangles(); }, [&] { narrow_.detect_triangles(); });
-    if (needs_.kinds.edge_triangle)
-      detect_triangles(
-          ContactKind::kEdgeTriangle, [&] { candidates_.search_crossings(); }, [&] { narrow_.detect_crossings(); });
+    if (!needs_.kinds.edge_triangle) return detect_others();
+    if (!needs_.is_any_hit() && !needs_.kinds.triangle_triangle)
+      return context_.exec.concurrently([&] { detect_others(); }, [&] { detect_crossings(); });
+    detect_others();
+    detect_crossings();
   }
   /// Finds the pairs that ways are shortened for, looks at all of them, and finds the contacts if they are wanted.
   void detect_blocking(ShortenPhase<Exec, Real>& shorten) {
@@ -51,6 +50,17 @@ class ContactPhase {
   void part(const Put& put) {
     const uint64_t contacts_before = run_.found().contacts;
     run_.part(put, [&] { return narrow_.grow(run_.found(), contacts_before); });
+  }
+  /// All kinds but crossings.
+  void detect_others() {
+    if (is_of_features(first_of(needs_.kinds))) detect_features();
+    if (needs_.kinds.triangle_triangle)
+      detect_triangles(
+          ContactKind::kTriangleTriangle, [&] { candidates_.search_triangles(); }, [&] { narrow_.detect_triangles(); });
+  }
+  void detect_crossings() {
+    detect_triangles(
+        ContactKind::kEdgeTriangle, [&] { candidates_.search_crossings(); }, [&] { narrow_.detect_crossings(); });
   }
   /// use(kind) for the kinds of features that are wanted.
   template <class Use>

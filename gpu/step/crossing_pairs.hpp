@@ -17,7 +17,7 @@ struct CrossingPairSink : TrianglePairSink {
   COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t& key) const {
     const Triangle p = triangles[a], q = triangles[b];
     key = pack_ids(a, b);
-    return int{has(p, q.x)} + int{has(p, q.y)} + int{has(p, q.z)} < 2 && !(is_loose(p) && is_loose(q));
+    return common_corners(p, q) < 2 && !(is_loose(p) && is_loose(q));
   }
 };
 
@@ -68,9 +68,8 @@ struct TestCrossings {
   template <class Edges>
   COLLIDED_HD void test(uint32_t which, const Edges& edges, uint32_t element, uint32_t triangle) const {
     for_each_corner([&](int k) {
-      const Crossing seen = (which >> k & 1u) != 0 ? edges.look(k) : Crossing::kNone;
-      if (seen == Crossing::kSure || (seen == Crossing::kDoubt && !edges.edge(k).are_apart()))
-        report(element, k, triangle, seen == Crossing::kSure);
+      const Crossing seen = (which >> k & 1u) != 0 ? edges.look_closely(k) : Crossing::kNone;
+      if (seen != Crossing::kNone) report(element, k, triangle, seen == Crossing::kSure);
     });
   }
   COLLIDED_HD void report(uint32_t element, int k, uint32_t triangle, bool is_sure) const {

@@ -384,12 +384,13 @@ class NarrowPhase {
         "write_normals", wanted_count(),
         WriteNormals<Real>{scene_.positions_at_start(needs().is_ccd()), scene_.end.data(),
                            FeatureKinds::of(scene_.topology), ranks_, has_float_times ? kClearInFloat : kClear,
-                           wanted().keys.all(), wanted().data.all(), scene_.normals.all()});
+                           wanted().keys.all(), wanted().data.all(), scene_.normals.all(),
+                           needs().tells_features ? scene_.surfaces() : Surfaces<Real>{}});
   }
   void order() {
     StepState* state = scene_.state.data();
     const FieldSet columns = needs().columns();
-    WriteContact<Real> write{{}, {}, {}, ranks_, scene_.columns.columns(columns)};
+    WriteContact<Real> write{{}, {}, ranks_, scene_.columns.columns(columns)};
     if (needs().has_data()) write.data = wanted().data.all();
     if (columns.has(ContactField::kNormals)) write.normals = scene_.normals.all();
     put_in_order(exec_, scene_.order,

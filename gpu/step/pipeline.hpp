@@ -9,6 +9,7 @@
 #include "gpu/engines/engines.hpp"
 #include "gpu/step/box_phase.hpp"
 #include "gpu/step/contact_phase.hpp"
+#include "gpu/step/cover_phase.hpp"
 #include "gpu/step/neighbour_phase.hpp"
 #include "gpu/step/placing.hpp"
 #include "gpu/step/plan/step_planner.hpp"
@@ -24,7 +25,7 @@ class Pipeline {
       : exec_(exec),
         spec_(spec),
         counts_(std::move(counts)),
-        ranks_(ranks_of(spec.kinds, counts_)),
+        ranks_(ranks_of(kinds_looked_for(spec), counts_)),
         scene_(scene),
         searcher_(exec),
         context_{exec, searcher_, spec, counts_, scene},
@@ -36,6 +37,7 @@ class Pipeline {
         candidates_(context_, boxes_, engines_, neighbours_, narrow_),
         contacts_(context_, run_, candidates_, narrow_),
         shorten_(context_),
+        cover_(exec, scene),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
         planner_(spec, planned_scene()) {
@@ -108,7 +110,7 @@ class Pipeline {
 
   /// The scene is made of so much from the next step on. Throws InvalidInput where that is too much.
   void resize(SceneCounts counts) {
-    ranks_ = ranks_of(spec_.kinds, counts);
+    ranks_ = ranks_of(kinds_looked_for(spec_), counts);
     counts_ = std::move(counts);
     planner_.resize(planned_scene());
     engines_.resize();
@@ -279,6 +281,7 @@ class Pipeline {
   void reserve_lists() {
     scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     narrow_.reserve();
+    if (needs().tells_features) cover_.reserve();
     if (needs().advances) shorten_.reserve();
     if (planner_.uses_lists()) neighbours_.reserve(times_ = planner_.track_times());
     if (plan_.has_engine()) engines_.reserve();
@@ -295,6 +298,7 @@ class Pipeline {
     if (needs().is_earliest_only()) contacts_.keep_earliest();
     if (run_.is_by_parts()) plan_order();
     narrow_.finish();
+    if (needs().tells_features) exec_.stage("cover", [&] { cover_.run(needs()); });
     if (needs().places_contacts()) exec_.stage("place", [&] { placing_.place(needs()); });
   }
   /// How many contacts there are is known.
@@ -303,6 +307,7 @@ class Pipeline {
     plan_.order = narrow_.plan_order();
     narrow_.begin(plan_);
     narrow_.reserve();
+    if (needs().tells_features) cover_.reserve();
   }
 
   /// Boxes, and the stages of the engine. With lists to be made: of all that vertices will pass through.
@@ -377,6 +382,7 @@ class Pipeline {
   CandidatePhase<Exec, Real> candidates_;
   ContactPhase<Exec, Real> contacts_;
   ShortenPhase<Exec, Real> shorten_;
+  CoverPhase<Exec, Real> cover_;
   Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
   StepPlanner planner_;

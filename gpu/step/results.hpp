@@ -7,12 +7,14 @@
 
 #include "gpu/contacts/answer_room.hpp"
 #include "gpu/contacts/columns_on_host.hpp"
+#include "gpu/exact/closest_features.hpp"
 #include "gpu/exact/poll.hpp"
 #include "gpu/narrow/gather.hpp"
 #include "gpu/narrow/normal.hpp"
 #include "gpu/state/buffers.hpp"
 #include "gpu/state/level_needs.hpp"
 #include "gpu/step/contact_sets.hpp"
+#include "gpu/step/cover_phase.hpp"
 #include "gpu/step/placing.hpp"
 
 namespace collided {
@@ -50,6 +52,7 @@ class Results {
       : exec_(exec),
         spec_(spec),
         scene_(scene),
+        cover_(exec, scene),
         placing_(placing),
         room_(std::make_shared<AnswerRoom>(spec.memory_quota,
                                            [&exec](uint64_t bytes) { return exec.host_block(bytes); })) {}
@@ -78,6 +81,7 @@ class Results {
     needs_ = needs;
     host_ = host;
     result_ = &result;
+    is_settled_ = false;
     if (needs_.is_any_hit() && (!needs_.settles() || step.shortcut.has_contact != 0)) {
       result.any_contact = step.shortcut.has_contact != 0;
       return;
@@ -87,6 +91,7 @@ class Results {
     exec_.stage("download", [&] { download(0, found, step.kinds); });
     if (needs_.is_exact()) settle_all(step);
     if (needs_.tests_crossings()) exec_.stage("exact", [&] { settle_crossings(); });
+    if (needs_.tells_features) settle_covered(step);
     report();
     if (needs_.keeps_contacts()) exec_.stage("place", [&] { place_settled(); });
   }
@@ -169,8 +174,9 @@ class Results {
         result_->placed);
   }
 
-  /// What was decided on the host goes back to where the step left it, and on to its room from there.
-  void place_settled() {
+  /// What was decided on the host goes back to where the step left it. Returns where the kinds begin, and how many
+  /// contacts there are.
+  std::pair<KindBegins, uint64_t> send_back() {
     KindBegins kinds = {};
     uint64_t count = 0;
     for_each_kind(
@@ -183,6 +189,12 @@ class Results {
     StepState* state = scene_.state.data();
     exec_.upload(&state->kinds, &kinds, sizeof(kinds));
     exec_.upload(needs_.is_earliest_only() ? &state->earliest : &state->contacts, &count, sizeof(count));
+    exec_.wait();
+    return {kinds, count};
+  }
+  /// The same, and on to its room from there.
+  void place_settled() {
+    const auto [kinds, count] = send_back();
     placing_.place(needs_);
     exec_.wait();
     const ContactLayout layout = placing_.layout(needs_, kinds, count);
@@ -204,6 +216,66 @@ class Results {
             exec_.upload(resident.data() + begin, column.data(), column.size() * sizeof(*column.data()));
         },
         set, scene_.columns);
+  }
+
+  // Features, and contacts that others cover.
+  /// The step has told them, but for what only the host can decide: that may be what covers a contact.
+  void settle_covered(const StepState& step) {
+    if (is_settled_ || step.open_features > 0) exec_.stage("cover", [&] { cover_anew(step.open_features > 0); });
+    if (!spec_.kinds.edge_triangle) result_->edge_triangle = {};
+  }
+  void cover_anew(bool has_open) {
+    if (has_open)
+      FeatureKinds::of(scene_.topology).for_each([&]<class Kind>(const Kind& kind) {
+        tell_features(kind, value_of(contacts(), Kind::kKind));
+      });
+    const KindBegins kinds = send_back().first;
+    cover_.cover(needs_);
+    for_each_kind(
+        [&](ContactKind kind, ContactSet& set) {
+          const auto bring = [&](auto& column, const auto& resident) {
+            if (!column.empty())
+              exec_.download_async(column.data(), resident.data() + kinds.at[index_of(kind)],
+                                   column.size() * sizeof(*column.data()));
+          };
+          bring(set.features, scene_.columns.features);
+          bring(set.flags, scene_.columns.flags);
+          bring(set.weights, scene_.columns.weights);
+        },
+        contacts());
+    exec_.wait();
+  }
+  /// Those that double precision has left open.
+  template <class Kind>
+  void tell_features(const Kind& kind, ContactSet& set) {
+    std::vector<size_t> places;
+    for (size_t i = 0; i < set.features.size(); ++i)
+      if ((set.features[i] & kFeaturesOpen) != 0) places.push_back(i);
+    MemoryHold held(spec_.memory_quota);
+    held.resize(settling_bytes(places.size()));
+    result_->counts.exact_decisions += places.size();
+    for (size_t first = 0; first < places.size(); first += kSettledAtATime) {
+      const size_t count = std::min(places.size() - first, kSettledAtATime);
+      std::vector<uint64_t> keys(count);
+      for (size_t k = 0; k < count; ++k) {
+        const auto& ids = set.elements[places[first + k]];
+        keys[k] = pack_ids(ids[0], ids[1]);
+      }
+      std::vector<uint32_t> ids(4 * count);
+      const auto points = gather<8>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
+        const Vec3<Real>* positions = scene_.end.data();
+        scene_.exact_ids.ensure(ids.size());
+        exec_.for_each("gather_points", count, GatherPoints<Real, Kind>{positions, positions, kind, resident, out});
+        exec_.for_each("gather_stencils", count, GatherStencils<Kind>{kind, resident, scene_.exact_ids.all()});
+        exec_.download(ids.data(), scene_.exact_ids.data(), ids.size() * sizeof(uint32_t));
+      });
+      decide_all(count, [&](uint64_t k) {
+        const auto& p = points[k];
+        const uint32_t* of = ids.data() + 4 * k;
+        set.features[places[first + k]] =
+            exact_closest_features(Kind::kKind, {p[0], p[1], p[2], p[3]}, {of[0], of[1], of[2], of[3]});
+      });
+    }
   }
 
   // EXACT: what is left open goes to the host's exact arithmetic, but for contacts on arcs.
@@ -247,7 +319,7 @@ class Results {
         set,
         [&](size_t count) {
           answers.resize(count);
-          normals.resize(set.normals.empty() ? 0 : count);
+          if (needs_.is_ccd()) normals.resize(set.normals.empty() ? 0 : count);  // those of DCD stay
         },
         [&](const auto& keys, size_t first) {
           decide(keys, answers.data() + first, normals.empty() ? nullptr : normals.data() + first);
@@ -257,12 +329,14 @@ class Results {
   /// Those in doubt, ties among them. A tie in which they meet is a contact, even if it is told as no crossing.
   void settle_crossings() {
     ContactSet& set = result_->edge_triangle;
+    const bool had_contact = result_->any_contact;
     std::vector<EdgeTriangleVerdict> verdicts;
     result_->counts.exact_decisions += settle(
         set, [&](size_t count) { verdicts.resize(count); },
         [&](const auto& keys, size_t first) { decide_crossings(keys, verdicts.data() + first); },
         [&](const auto& places) { apply(exec_.host_loops(), set, places, verdicts); });
     for (const EdgeTriangleVerdict& verdict : verdicts) result_->any_contact = result_->any_contact || verdict.meets;
+    if (!spec_.kinds.edge_triangle) result_->any_contact = had_contact;  // nobody asks
   }
   /// begin(count of what is undecided), then decide(keys, index of the first), then apply(places).
   template <class Begin, class Decide, class Apply>
@@ -271,6 +345,7 @@ class Results {
     CpuLoops& loops = exec_.host_loops();
     MemoryHold held(spec_.memory_quota);
     const size_t count = count_undecided(loops, set);
+    is_settled_ = is_settled_ || count > 0;
     held.resize(settling_bytes(count));
     const std::vector<size_t> places = undecided(loops, set, count);
     begin(places.size());
@@ -319,11 +394,15 @@ class Results {
     return contact_normal<Kind>(FeaturePoints<double>{{p[0], p[1], p[2], p[3]}, {p[4], p[5], p[6], p[7]}}, toi, kClear);
   }
   void decide_triangles(const std::vector<uint64_t>& keys, ExactAnswer* answers) {
+    std::vector<uint32_t> common(keys.size());
     const auto corners = gather<6>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
-      exec_.for_each("gather_corners", keys.size(),
-                     GatherCorners<Real>{scene_.end.data(), scene_.topology.corners(), resident, out});
+      scene_.exact_ids.ensure(common.size());
+      exec_.for_each(
+          "gather_corners", keys.size(),
+          GatherCorners<Real>{scene_.end.data(), scene_.topology.corners(), resident, out, scene_.exact_ids.all()});
+      exec_.download(common.data(), scene_.exact_ids.data(), common.size() * sizeof(uint32_t));
     });
-    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_triangles_exactly(corners[i]); });
+    decide_all(keys.size(), [&](uint64_t i) { answers[i] = decide_triangles_exactly(corners[i], common[i] != 0); });
   }
   void decide_crossings(const std::vector<uint64_t>& keys, EdgeTriangleVerdict* verdicts) {
     std::vector<uint32_t> ids(5 * keys.size());
@@ -390,11 +469,13 @@ class Results {
   Exec& exec_;
   const SceneSpec& spec_;
   SceneBuffers<Exec, Real>& scene_;
+  CoverPhase<Exec, Real> cover_;
   Placing<Exec, Real>& placing_;
   const std::shared_ptr<AnswerRoom> room_;
   LevelNeeds needs_;
   HostNeeds host_;
   FrameResult* result_ = nullptr;
+  bool is_settled_ = false;  ///< the host has decided of some contacts
 };
 
 }  // namespace collided

@@ -100,7 +100,7 @@ class ShortenPhase {
     });
     exec_.fill_zero(&state()->kinds, sizeof(KindBegins));
     exec_.fill_zero(&state()->crowded_ranks, sizeof(uint64_t));
-    const WriteContact<double> write{list.data, list.normals, {}, ranks, limits.columns.columns(kFieldsOfLimits)};
+    const WriteContact<double> write{list.data, list.normals, ranks, limits.columns.columns(kFieldsOfLimits)};
     put_in_order(exec_, limits.order,
                  Unordered<WriteContact<double>>{{nullptr, count}, list.keys, ranks, &state()->kinds, write}, plan, ids,
                  &state()->crowded_ranks);

@@ -143,8 +143,8 @@ struct NeighbourSink : FeatureSink<Real, MayTouchSoon<Real>, Tests> {
   }
 };
 
-/// Pairs of triangles that share no vertex, and that no ring connects, are wanted as they are; loose elements are in
-/// none.
+/// Pairs of triangles that have few corners in common, and that no ring connects, are wanted as they are; loose
+/// elements are in none.
 struct TrianglePairSink {
   static constexpr bool kTakesPairs = true;
 
@@ -154,6 +154,7 @@ struct TrianglePairSink {
   EarlyExit early_exit;
   PairTotals totals;
   VertexRings rings = {};
+  int most_common = 0;  ///< corners of a pair that is wanted
 
   /// Whether there is use in taking more (AppendList::push).
   COLLIDED_HD bool take(uint32_t a, uint32_t b) const {
@@ -164,13 +165,16 @@ struct TrianglePairSink {
   COLLIDED_HD bool keeps(uint32_t a, uint32_t b, uint64_t &key) const {
     const Triangle p = triangles[a], q = triangles[b];
     key = pack_ids(a, b) + (uint64_t{rank} << 32);
-    if (has(p, q.x) || has(p, q.y) || has(p, q.z) || is_loose(p) || is_loose(q)) return false;
+    if (common_corners(p, q) > most_common || is_loose(p) || is_loose(q)) return false;
     return !rings.is_needed() || !rings.connect(p, q);
   }
   COLLIDED_HD bool is_over() const { return early_exit.is_over() || pairs.is_overfull(); }
   COLLIDED_HD void add(uint64_t all, uint64_t, uint64_t) const { totals(all, 0, 0); }
 
  protected:
+  COLLIDED_HD static int common_corners(const Triangle &p, const Triangle &q) {
+    return int{has(p, q.x)} + int{has(p, q.y)} + int{has(p, q.z)};
+  }
   COLLIDED_HD static bool has(const Triangle &t, uint32_t v) { return t.x == v || t.y == v || t.z == v; }
 };
 

@@ -1,5 +1,7 @@
 #include "gpu/tables/tables.hpp"
 
+#include "gpu/contacts/kinds.hpp"
+
 namespace collided {
 namespace {
 
@@ -11,7 +13,8 @@ uint64_t bytes_of(const std::vector<T>& values) {
 uint64_t bytes_of(const FeatureTables& features) {
   const Topology& topology = features.topology;
   return bytes_of(topology.triangles) + bytes_of(topology.edges) + bytes_of(features.triangle_edges) +
-         bytes_of(features.owned) + bytes_of(features.rings.begin) + bytes_of(features.rings.vertices);
+         bytes_of(features.owned) + bytes_of(features.rings.begin) + bytes_of(features.rings.vertices) +
+         bytes_of(features.fans.begin) + bytes_of(features.fans.elements);
 }
 
 uint64_t elements_of(const SceneSpec& spec) {
@@ -34,6 +37,7 @@ FeatureTables make_tables(const SceneSpec& spec, MemoryHold& making, Asks& asks)
   FeatureTables features = make_features(spec.meshes, asks);
   making.resize(bytes_of(features));
   features.rings = make_rings(spec, features.topology, making, asks);
+  if (tells_features(spec)) features.fans = make_fans(features.topology, making, asks);
   return features;
 }
 

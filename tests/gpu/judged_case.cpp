@@ -2,14 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "tests/support/adversarial.hpp"
 
 namespace collided::test {
 namespace {
 
-bool share_a_vertex(const std::array<uint32_t, 3>& a, const std::array<uint32_t, 3>& b) {
-  return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+using Corners = std::array<uint32_t, 3>;
+
+ptrdiff_t common_corners(const Corners& a, const Corners& b) {
+  return std::ranges::count_if(a, [&](uint32_t v) { return std::ranges::find(b, v) != b.end(); });
+}
+
+/// `a`, turned so that a corner of `b` is its first.
+Corners turned_to(Corners a, const Corners& b) {
+  std::ranges::rotate(a, std::ranges::find_first_of(a, b));
+  return a;
 }
 
 }  // namespace
@@ -41,17 +50,17 @@ std::vector<PairKey> CaseJudge::triangles() const {
   std::vector<PairKey> keys;
   const auto& triangles = queries_.features().triangles;
   const Positions& end = queries_.end();
-  const auto corners = [&](uint32_t t) {
-    const auto& c = triangles[t];
-    return std::array<Vec3d, 3>{end[c[0]], end[c[1]], end[c[2]]};
+  const auto at = [&](const Corners& c) { return std::array<Vec3d, 3>{end[c[0]], end[c[1]], end[c[2]]}; };
+  const auto meet = [&](const Corners& a, const Corners& b) {
+    const ptrdiff_t common = common_corners(a, b);
+    if (common == 0) return judge_triangles(at(a), at(b));
+    return common == 1 && judge_neighbours(at(turned_to(a, b)), at(turned_to(b, a)));
   };
   const auto is_triangle = [&](uint32_t t) { return queries_.features().kinds[t] == ElementKind::kTriangle; };
   const auto count = static_cast<uint32_t>(triangles.size());
   for (uint32_t i = 0; i < count; ++i)
     for (uint32_t j = i + 1; j < count; ++j)
-      if (is_triangle(i) && is_triangle(j) && !share_a_vertex(triangles[i], triangles[j]) &&
-          judge_triangles(corners(i), corners(j)))
-        keys.push_back(key_of(i, j));
+      if (is_triangle(i) && is_triangle(j) && meet(triangles[i], triangles[j])) keys.push_back(key_of(i, j));
   return keys;
 }
 
@@ -70,6 +79,23 @@ std::vector<PairKey> keys_of(const Truth& truth) {
 Case lattice(uint32_t seed, uint32_t count, double side) {
   constexpr double kSize = 4;
   return on_integers(soup(seed, count, side, kSize, kSize));
+}
+
+Case crumpled(uint32_t seed, uint32_t n, double by) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> move(-by, by);
+  Positions positions;
+  std::vector<std::array<uint32_t, 3>> triangles;
+  for (uint32_t i = 0; i <= n; ++i)
+    for (uint32_t j = 0; j <= n; ++j) positions.push_back({i + move(random), j + move(random), move(random)});
+  for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t j = 0; j < n; ++j) {
+      const uint32_t a = i * (n + 1) + j, b = a + 1, c = a + n + 1, d = c + 1;
+      triangles.push_back({a, c, b}), triangles.push_back({b, c, d});
+    }
+  Case c;
+  add_mesh(c, triangles, positions);
+  return c;
 }
 
 std::string level_name(Accuracy accuracy) {

@@ -18,7 +18,8 @@ class CaseJudge {
   using Pairs = std::span<const std::array<uint32_t, 2>>;
   Truth vertex_triangle(const Pairs& pairs) const { return judge(QueryKind::kVertexTriangle, pairs); }
   Truth edge_edge(const Pairs& pairs) const { return judge(QueryKind::kEdgeEdge, pairs); }
-  /// Of all pairs of triangles that have no vertex in common: those that share a point at t = 1; ascending.
+  /// Of all pairs of triangles: those that share a point at t = 1. Of two with one common corner, the side opposite to
+  /// it of one meets the other; those with two are never among them. Ascending.
   std::vector<PairKey> triangles() const;
 
  private:
@@ -36,6 +37,9 @@ std::vector<PairKey> keys_of(const Truth& truth);
 
 /// A soup on_integers().
 Case lattice(uint32_t seed, uint32_t count, double side);
+
+/// A sheet of n x n cells whose vertices are moved at random: it goes through itself, neighbours through each other.
+Case crumpled(uint32_t seed, uint32_t n, double by);
 
 /// "CANDIDATES" to "EXACT".
 std::string level_name(Accuracy accuracy);

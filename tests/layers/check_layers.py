@@ -142,9 +142,9 @@ def engine_complaint(path, target):
     if other != folder and other not in FOLDERS[folder]:
         return f"{folder} must not know {other}"
     if folder == "exact" and other == "base" and target not in EXACT_BASE:
-        return "of base, the exact decisions know contact_distance.hpp, host_device.hpp, rounding.hpp, twofold.hpp and vec3.hpp alone"
+        return "of base, the exact decisions know closest_features.hpp, contact_distance.hpp, host_device.hpp, rounding.hpp, twofold.hpp and vec3.hpp alone"
     if other == "exact" and folder != "exact" and target not in EXACT_API:
-        return "of gpu/exact, others know exact.hpp, decision.hpp, crossings.hpp, poll.hpp, fixed/decide.hpp and fixed/parting.hpp alone"
+        return "of gpu/exact, others know exact.hpp, decision.hpp, closest_features.hpp, crossings.hpp, poll.hpp, fixed/decide.hpp and fixed/parting.hpp alone"
     if path.startswith(EXACT_FIXED) and other == "exact" and not target.startswith(EXACT_FIXED):
         return "gpu/exact/fixed runs on every backend and knows nothing of the rest of gpu/exact"
     return None
@@ -152,10 +152,10 @@ def engine_complaint(path, target):
 
 # What the rest of the engine may see of gpu/exact; GMP stays behind these headers.
 EXACT_FIXED = "gpu/exact/fixed/"
-EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/crossings.hpp", "gpu/exact/poll.hpp", "gpu/exact/fixed/decide.hpp",
+EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/closest_features.hpp", "gpu/exact/crossings.hpp", "gpu/exact/poll.hpp", "gpu/exact/fixed/decide.hpp",
              "gpu/exact/fixed/parting.hpp"}
-EXACT_BASE = {"gpu/base/contact_distance.hpp", "gpu/base/host_device.hpp", "gpu/base/rounding.hpp",
-              "gpu/base/twofold.hpp", "gpu/base/vec3.hpp"}
+EXACT_BASE = {"gpu/base/closest_features.hpp", "gpu/base/contact_distance.hpp", "gpu/base/host_device.hpp",
+              "gpu/base/rounding.hpp", "gpu/base/twofold.hpp", "gpu/base/vec3.hpp"}
 
 # The one folder above client/cpp and server, and what it may know of the server.
 IN_PROCESS = "client/in_process/"

@@ -31,8 +31,9 @@ const (
 	ContactKind_CONTACT_KIND_VERTEX_TRIANGLE ContactKind = 1
 	// Two edges that share no vertex.
 	ContactKind_CONTACT_KIND_EDGE_EDGE ContactKind = 2
-	// Two triangles that share no vertex and intersect in the frame (DCD); elements and flags only. In CCD only at
-	// CANDIDATES: triangles whose boxes overlap.
+	// Two triangles that intersect in the frame (DCD). They share no vertex, or one: then the side of one that is opposite to it
+	// meets the other. Triangles with a common side are no pair: proto/CONVENTIONS.md, "Triangle pairs". Elements and flags
+	// only. In CCD only at CANDIDATES: triangles that share no vertex and whose boxes overlap.
 	ContactKind_CONTACT_KIND_TRIANGLE_TRIANGLE ContactKind = 3
 	// An edge that goes through a triangle with which it shares no vertex, of any two triangles, neighbours among them, or of a
 	// loose edge. In DCD frames, also of DCD_AND_CCD scenes, whose CCD frames have none; not with Q16, nor at CANDIDATES. At

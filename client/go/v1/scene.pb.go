@@ -595,7 +595,8 @@ type MeshSpec struct {
 	// uint32[n][3], little-endian: vertex indices of the mesh's first triangles, numbered within the mesh.
 	Triangles []byte `protobuf:"bytes,8,opt,name=triangles,proto3" json:"triangles,omitempty"`
 	// Leave out contacts of the mesh with itself, of every kind, between features that so many edges or fewer connect, 0 to
-	// 8: CONVENTIONS.md, "What is left out". Features that share a vertex are never contacts.
+	// 8: CONVENTIONS.md, "What is left out". A vertex and a triangle,
+	// or two edges, that share a vertex are never contacts.
 	ExcludeRings uint32 `protobuf:"varint,9,opt,name=exclude_rings,json=excludeRings,proto3" json:"exclude_rings,omitempty"`
 	// Leave out vertex-triangle and edge-edge contacts of the mesh with itself between features that are within the
 	// scene's rest_distance of each other in its first frame (t = 1).

@@ -91,7 +91,8 @@ class ShardedScene final : public Detector {
   SceneSpec spec_of_shard() const {
     SceneSpec spec = spec_;
     spec.part_devices = {};
-    spec.known = nullptr;      // which is of whole scenes
+    spec.known = nullptr;                                        // which is of whole scenes
+    spec.fields = spec.fields.without(ContactField::kFeatures);  // see tells_features()
     spec.reuse = Reuse::kOff;  // lists hold for the pairs that were a shard's own when they were made
     const int threads = static_cast<int>(CpuLoops(spec.threads).threads());
     spec.threads = std::max(1, threads / static_cast<int>(links_.size()));
@@ -101,6 +102,7 @@ class ShardedScene final : public Detector {
   SceneSpec spec_like(SceneSpec of_shard) const {
     of_shard.part_devices = spec_.part_devices;
     of_shard.reuse = spec_.reuse;
+    of_shard.fields = spec_.fields;
     of_shard.threads = spec_.threads;
     of_shard.memory_quota = spec_.memory_quota;
     return of_shard;

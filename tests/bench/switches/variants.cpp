@@ -20,6 +20,11 @@ void reporting(FrameInput& frame) {
   frame.report = report;
 }
 
+void find_near(SceneSpec& spec) {
+  spec.mode = Mode::kDcd;
+  spec.thickness = 0.005;
+}
+
 Variant declares(const char* name, void (*declare)(SceneSpec&), Send send = Send::kWhole, bool has_ball = true) {
   return {.name = name, .send = send, .declare = declare, .has_ball = has_ball};
 }
@@ -43,6 +48,18 @@ std::vector<Variant> make_variants() {
                [](SceneSpec& s) {
                  s.mode = Mode::kDcd;
                  s.kinds.triangle_triangle = true;
+               }),
+      declares("DCD within 0.005", find_near),
+      declares("DCD within 0.005, and crossings",
+               [](SceneSpec& s) {
+                 find_near(s);
+                 s.kinds.edge_triangle = true;
+               }),
+      declares("DCD within 0.005, crossings and features",
+               [](SceneSpec& s) {
+                 find_near(s);
+                 s.kinds.edge_triangle = true;
+                 s.fields = s.fields.with(ContactField::kFeatures);
                }),
       declares("vertex-triangle alone", [](SceneSpec& s) { s.kinds = {.vertex_triangle = true}; }),
       declares("5 % of the vertices, sparse", nothing, Send::kFewVertices),

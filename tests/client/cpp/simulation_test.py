@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The C++ example that simulates a cloth on a sphere: no triangles that share no vertex meet; the cloth folds and moves.
+"""The C++ example that simulates a cloth on a sphere: no triangles meet beyond a common corner; the cloth folds and moves.
 
 usage: simulation_test.py DAEMON EXAMPLE REPOSITORY
 """

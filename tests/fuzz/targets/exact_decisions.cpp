@@ -44,6 +44,10 @@ void triangles(const Query& query) {
   for (size_t i = 0; i < 3; ++i) a[i] = corner(i), b[i] = corner(3 + i);
   const bool truth = test::judge_triangles({query.p[0], query.p[1], query.p[2]}, {query.p[3], query.p[4], query.p[5]});
   require(exact_triangles_intersect(a, b) == truth, "engine and judge agree on two triangles");
+  b[0] = a[0];
+  const bool beyond =
+      test::judge_neighbours({query.p[0], query.p[1], query.p[2]}, {query.p[0], query.p[4], query.p[5]});
+  require(exact_triangles_meet_beyond_corner(a, b) == beyond, "engine and judge agree on neighbours");
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ namespace collided::test {
 namespace {
 
 constexpr FieldSet kAllFields{ContactField::kElements, ContactField::kToi,     ContactField::kDistance,
-                              ContactField::kWeights,  ContactField::kNormals, ContactField::kFlags};
+                              ContactField::kWeights,  ContactField::kNormals, ContactField::kFlags,
+                              ContactField::kFeatures};
 constexpr uint64_t kPage = 4096, kAmple = 4 << 20;
 
 using StencilIds = std::array<uint32_t, 4>;

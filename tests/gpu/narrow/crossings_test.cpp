@@ -1,15 +1,12 @@
 // Edges that go through triangles, against rationals: all of them, at every level, with neighbours.
 
-#include "gpu/exact/crossings.hpp"
-
-#include <gmpxx.h>
-
 #include <algorithm>
+#include <cmath>
 #include <optional>
-#include <random>
 
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
+#include "tests/gpu/narrow/crossing_judge.hpp"
 #include "tests/gpu/refused_field.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
@@ -24,89 +21,6 @@ SceneSpec crossings_alone(Accuracy accuracy = Accuracy::kCertified, Scalar scala
   spec.kinds = {.edge_triangle = true};
   spec.fields = {ContactField::kElements, ContactField::kWeights, ContactField::kFlags};
   return spec;
-}
-
-using Exact = std::array<mpq_class, 3>;
-
-Exact exact(const Vec3d& p) { return {mpq_class(p[0]), mpq_class(p[1]), mpq_class(p[2])}; }
-Exact minus(const Exact& a, const Exact& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-int orientation(const Exact& a, const Exact& b, const Exact& c, const Exact& d) {
-  const Exact p = minus(b, a), q = minus(c, a), r = minus(d, a);
-  return sgn(p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) +
-             p[2] * (q[0] * r[1] - q[1] * r[0]));
-}
-
-/// Whether the edge u v goes through the triangle; nothing where a determinant is 0.
-std::optional<bool> crosses(const Exact& u, const Exact& v, const std::array<Exact, 3>& t) {
-  const int from = orientation(t[0], t[1], t[2], u), to = orientation(t[0], t[1], t[2], v);
-  int sides[3];
-  for (size_t k = 0; k < 3; ++k) sides[k] = orientation(u, v, t[k], t[(k + 1) % 3]);
-  if (from * to > 0) return false;
-  const auto [least, greatest] = std::minmax({sides[0], sides[1], sides[2]});
-  if (least < 0 && greatest > 0) return false;
-  if (from == 0 || to == 0 || least == 0 || greatest == 0) return std::nullopt;
-  return true;
-}
-
-/// A case as one scene: its features by scene-wide ids.
-struct Surface {
-  explicit Surface(const Case& c) : topology(Detector::create(spec_for(c, crossings_alone()))->topology()) {
-    for (const Positions& mesh : c.end) positions.insert(positions.end(), mesh.begin(), mesh.end());
-  }
-  bool is_loose(size_t t) const { return topology.triangles[t][1] == topology.triangles[t][2]; }
-  bool share_vertex(size_t e, size_t t) const {
-    for (const uint32_t v : topology.edges[e])
-      if (std::ranges::find(topology.triangles[t], v) != topology.triangles[t].end()) return true;
-    return false;
-  }
-
-  Topology topology;
-  Positions positions;
-};
-
-struct Judged {
-  std::vector<PairKey> sure, tied;
-};
-
-/// Whether the boxes of two sets of vertices are apart; comparisons are exact.
-template <class Some, class Others>
-bool are_apart(const Positions& p, const Some& some, const Others& others) {
-  for (size_t k = 0; k < 3; ++k) {
-    const auto at = [&](uint32_t v) { return p[v][k]; };
-    const auto [a, b] = std::ranges::minmax(some, {}, at);
-    const auto [c, d] = std::ranges::minmax(others, {}, at);
-    if (at(b) < at(c) || at(d) < at(a)) return true;
-  }
-  return false;
-}
-
-/// All pairs of an edge and a triangle with no common vertex. Ties are decided by the engine's own exact arithmetic,
-/// which tests/gpu/exact judges.
-Judged judge(const Surface& surface) {
-  Judged judged;
-  std::vector<Exact> points;
-  for (const Vec3d& p : surface.positions) points.push_back(exact(p));
-  for (size_t e = 0; e < surface.topology.edges.size(); ++e)
-    for (size_t t = 0; t < surface.topology.triangles.size(); ++t) {
-      if (surface.is_loose(t) || surface.share_vertex(e, t)) continue;
-      if (are_apart(surface.positions, surface.topology.edges[e], surface.topology.triangles[t])) continue;
-      const auto [u, v] = surface.topology.edges[e];
-      const auto& ids = surface.topology.triangles[t];
-      const auto answer = crosses(points[u], points[v], {points[ids[0]], points[ids[1]], points[ids[2]]});
-      const PairKey key = key_of(static_cast<uint32_t>(e), static_cast<uint32_t>(t));
-      if (answer) {
-        if (*answer) judged.sure.push_back(key);
-        continue;
-      }
-      const auto at = [&](uint32_t id) {
-        const Vec3d& p = surface.positions[id];
-        return Vec3<double>{p[0], p[1], p[2]};
-      };
-      const EdgeTriangleVerdict verdict =
-          exact_edge_triangle({at(u), at(v), at(ids[0]), at(ids[1]), at(ids[2])}, {u, v, ids[0], ids[1], ids[2]});
-      if (verdict.crosses) judged.tied.push_back(key);
-    }
-  return judged;
 }
 
 void expect_points_on_both(const ContactSet& found, const Surface& surface, double slack) {
@@ -131,11 +45,9 @@ void expect_points_on_both(const ContactSet& found, const Surface& surface, doub
 
 void expect_judged(const Case& c, Scalar scalar, size_t least) {
   const Surface surface(c);
-  const Judged judged = judge(surface);
+  const JudgedCrossings judged = judge_crossings(surface);
   EXPECT_GE(judged.sure.size(), least) << "the case tells nothing";
-  std::vector<PairKey> all = judged.sure;
-  all.insert(all.end(), judged.tied.begin(), judged.tied.end());
-  std::sort(all.begin(), all.end());
+  const std::vector<PairKey> all = judged.all();
   std::optional<FrameResult> before;
   for (const Accuracy accuracy : kDecidingLevels) {
     SCOPED_TRACE(level_name(accuracy));
@@ -155,24 +67,6 @@ void expect_judged(const Case& c, Scalar scalar, size_t least) {
     }
     before = std::move(r);
   }
-}
-
-/// A sheet of n x n cells whose vertices are moved at random: it goes through itself, neighbours through each other.
-Case crumpled(uint32_t seed, uint32_t n, double by) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> move(-by, by);
-  Positions positions;
-  std::vector<std::array<uint32_t, 3>> triangles;
-  for (uint32_t i = 0; i <= n; ++i)
-    for (uint32_t j = 0; j <= n; ++j) positions.push_back({i + move(random), j + move(random), move(random)});
-  for (uint32_t i = 0; i < n; ++i)
-    for (uint32_t j = 0; j < n; ++j) {
-      const uint32_t a = i * (n + 1) + j, b = a + 1, c = a + n + 1, d = c + 1;
-      triangles.push_back({a, c, b}), triangles.push_back({b, c, d});
-    }
-  Case c;
-  add_mesh(c, triangles, positions);
-  return c;
 }
 
 class Crossings : public OnBackend<::testing::TestWithParam<Scalar>> {};

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "tests/gpu/backend.hpp"
 #include "tests/gpu/judged_case.hpp"
+#include "tests/gpu/narrow/crossing_judge.hpp"
 #include "tests/support/adversarial.hpp"
 #include "tests/support/digest.hpp"
 
@@ -35,7 +37,47 @@ void expect_promises(const ContactSet& found, const std::vector<PairKey>& truth)
   EXPECT_TRUE(found.toi.empty() && found.distance.empty() && found.weights.empty());
 }
 
-void expect_judged(const Case& c, Scalar scalar, size_t least) {
+using Corners = std::array<uint32_t, 3>;
+
+/// Triangles between few points of a lattice: pairs have none, one, two or three corners in common.
+Case woven(uint32_t seed, uint32_t vertices, uint32_t count, double side) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> at(-side, side);
+  std::uniform_int_distribution<uint32_t> vertex(0, vertices - 1);
+  Positions positions(vertices);
+  for (Vec3d& p : positions) p = {std::round(at(random)), std::round(at(random)), std::round(at(random))};
+  std::vector<Corners> triangles;
+  while (triangles.size() < count) {
+    const Corners t{vertex(random), vertex(random), vertex(random)};
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+  }
+  Case c;
+  add_mesh(c, triangles, positions);
+  return c;
+}
+
+size_t common_corners(const Corners& a, const Corners& b) {
+  return static_cast<size_t>(std::ranges::count_if(a, [&](uint32_t v) { return std::ranges::find(b, v) != b.end(); }));
+}
+
+/// Of a mesh, those of the pairs that have exactly one corner in common.
+size_t count_neighbours(const Case& c, const std::vector<PairKey>& pairs) {
+  const std::vector<Corners> triangles = features_of(c).triangles;
+  return static_cast<size_t>(std::ranges::count_if(pairs, [&](PairKey key) {
+    return common_corners(triangles[key >> 32], triangles[static_cast<uint32_t>(key)]) == 1;
+  }));
+}
+
+std::vector<PairKey> all_pairs(const Case& c) {
+  const auto count = static_cast<uint32_t>(features_of(c).triangles.size());
+  std::vector<PairKey> pairs;
+  for (uint32_t a = 0; a < count; ++a)
+    for (uint32_t b = a + 1; b < count; ++b) pairs.push_back(key_of(a, b));
+  return pairs;
+}
+
+/// Returns the pairs that intersect.
+std::vector<PairKey> expect_judged(const Case& c, Scalar scalar, size_t least) {
   const std::vector<PairKey> truth = CaseJudge(c, Mode::kDcd, 0).triangles();
   EXPECT_GE(truth.size(), least) << "the case tells nothing";
   for (Accuracy accuracy : kAllLevels) {
@@ -50,6 +92,7 @@ void expect_judged(const Case& c, Scalar scalar, size_t least) {
     EXPECT_EQ(keys_of(r.triangle_triangle), truth);
     for (uint8_t flags : r.triangle_triangle.flags) EXPECT_EQ(flags, kFlagCertified);
   }
+  return truth;
 }
 
 class TrianglePairs : public OnBackend<::testing::TestWithParam<Scalar>> {};
@@ -66,6 +109,33 @@ TEST_P(TrianglePairs, OfLattices) {
   Case flat = lattice(113, 120, 12);
   for (Vec3d& p : flat.end[0]) p[2] = p[0] - p[1];
   expect_judged(flat, GetParam(), 100);
+}
+
+// Neighbours that cross, touch beyond their corner, lie on each other, are segments and points.
+TEST_P(TrianglePairs, OfNeighboursOnLattices) {
+  size_t neighbours = 0, meeting = 0;
+  for (const double side : {1, 2, 3, 6, 40}) {
+    const Case c = woven(118 + static_cast<uint32_t>(side), 30, 150, side);
+    neighbours += count_neighbours(c, all_pairs(c));
+    meeting += count_neighbours(c, expect_judged(c, GetParam(), 100));
+  }
+  EXPECT_GE(neighbours, 10000u);
+  EXPECT_GE(meeting, 1000u);
+  EXPECT_GE(neighbours - meeting, 1000u);
+}
+
+// In general position bounds in double tell everything.
+TEST_P(TrianglePairs, OfASheetWithItself) {
+  for (const double by : {0.1, 0.9, 1.5}) {
+    const Case c = rounded(crumpled(119, 14, by), GetParam());
+    expect_judged(c, GetParam(), by == 1.5 ? 350 : by == 0.9 ? 80 : 0);
+    const FrameResult certified = run_case(c, triangles_alone(Accuracy::kCertified, GetParam()));
+    EXPECT_TRUE(same_bytes(certified.triangle_triangle,
+                           run_case(c, triangles_alone(Accuracy::kExact, GetParam())).triangle_triangle));
+    if (by > 0.5) {
+      EXPECT_GT(count_neighbours(c, keys_of(certified.triangle_triangle)), 20u);
+    }
+  }
 }
 
 // Most of what a level cannot be sure of is no contact: a hair apart in a tilted plane.
@@ -87,12 +157,78 @@ INSTANTIATE_TEST_SUITE_P(Scalars, TrianglePairs, ::testing::Values(Scalar::kF32,
 
 using TrianglePairRules = OnBackend<>;
 
-// Four corners of a tent that stands on itself: its sides meet in their common edge and corners, which is no contact.
-TEST_F(TrianglePairRules, CommonVerticesAreNoContact) {
-  Case c;
-  add_mesh(c, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
-  for (Accuracy accuracy : kAllLevels)
-    EXPECT_EQ(run_case(c, triangles_alone(accuracy)).triangle_triangle.size(), 0u) << level_name(accuracy);
+// A common side is no contact, not even where both triangles lie on each other; nor is a common corner by itself.
+TEST_F(TrianglePairRules, WhatNeighboursShareIsNoContact) {
+  Case tent, flat = crumpled(1, 12, 0), folded, pair;
+  add_mesh(tent, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  add_mesh(folded, {{0, 1, 2}, {1, 0, 3}, {2, 1, 0}}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.5, 0}});
+  add_mesh(pair, {{0, 1, 2}, {3, 0, 4}}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}});
+  for (const Case& c : {tent, flat, folded, pair})
+    for (const Accuracy accuracy : kAllLevels) {
+      const FrameResult r = run_case(c, triangles_alone(accuracy));
+      EXPECT_EQ(r.triangle_triangle.size(), 0u) << level_name(accuracy);
+      EXPECT_FALSE(r.any_contact);
+      EXPECT_EQ(r.counts.exact_decisions, 0u) << "each is a look of the host's";
+    }
+}
+
+// The far side of one goes through the other, or just reaches it: with its inside, along it, with its end.
+TEST_F(TrianglePairRules, NeighboursThatMeetBeyondTheirCornerAreAContact) {
+  const auto fan = [](const Vec3d& p, const Vec3d& q) {
+    Case c;
+    add_mesh(c, {{1, 2, 0}, {4, 0, 3}}, {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, p, q});
+    return c;
+  };
+  const auto count = [](const Case& c, Accuracy accuracy = Accuracy::kExact) {
+    return run_case(c, triangles_alone(accuracy)).triangle_triangle.size();
+  };
+  for (const auto& [p, q] : {std::pair<Vec3d, Vec3d>{{2, 1, -1}, {2, 1.5, 2}},
+                             {{1, 1, 0}, {2, 2, 5}},
+                             {{1, 1, 0}, {1, 2, 0}},
+                             {{9, 9, 0}, {9, 9, 9}},
+                             {{5, -1, 0}, {5, 9, 0}}})
+    EXPECT_EQ(count(fan(p, q)), 1u) << p[0] << " " << p[1];
+  for (const auto& [p, q] :
+       {std::pair<Vec3d, Vec3d>{{-1, 1, 0}, {1, -1, 4}}, {{-4, 0, 0}, {1, 3, 9}}, {{-1, 0, 0}, {9, -1, 0}}})
+    EXPECT_EQ(count(fan(p, q)), 0u) << p[0] << " " << p[1];
+  Case c = fan({2, 1, -1}, {2, 1.5, 2});
+  for (const Accuracy accuracy : kAllLevels) {
+    const ContactSet found = run_case(c, triangles_alone(accuracy)).triangle_triangle;
+    ASSERT_EQ(found.size(), 1u) << level_name(accuracy);
+    EXPECT_EQ(found.flags[0], kFlagCertified);
+  }
+  c.meshes[0].excluded_rings = 1;
+  EXPECT_EQ(count(c), 0u);
+  c.meshes[0].excluded_rings = 0, c.meshes[0].self_contacts = false;
+  EXPECT_EQ(count(c), 0u);
+}
+
+// An edge through a triangle makes a pair with each triangle that has the edge. In general position there are no
+// others.
+TEST_F(TrianglePairRules, PairsAreThoseOfTheCrossings) {
+  const Case c = crumpled(120, 24, 1.2);
+  SceneSpec spec = triangles_alone(Accuracy::kCertified);
+  spec.kinds.edge_triangle = true;
+  const auto detector = Detector::create(spec_for(c, spec));
+  const FrameResult r = detector->detect(Frame(c, Mode::kDcd, Scalar::kF64).input());
+  std::vector<PairKey> pairs;
+  for (const auto& [pair, ends] : contour_ends(r.edge_triangle.elements, detector->topology())) pairs.push_back(pair);
+  EXPECT_GT(count_neighbours(c, pairs), 100u);
+  EXPECT_EQ(keys_of(r.triangle_triangle), pairs);
+}
+
+TEST_F(TrianglePairRules, AreTheSameForEachEngineAndAnyNumberOfThreads) {
+  const Case c = crumpled(121, 24, 1.2);
+  const FrameResult expected = run_case(c, triangles_alone(Accuracy::kCertified));
+  EXPECT_GT(count_neighbours(c, keys_of(expected.triangle_triangle)), 100u);
+  for (const Engine engine :
+       {Engine::kOctree, Engine::kTopDown, Engine::kUniformGrid, Engine::kLbvh, Engine::kVss, Engine::kAllPairs})
+    for (const int threads : {1, 3}) {
+      SceneSpec spec = triangles_alone(Accuracy::kCertified);
+      spec.engine = engine, spec.threads = threads;
+      EXPECT_TRUE(same_bytes(run_case(c, spec).triangle_triangle, expected.triangle_triangle))
+          << static_cast<int>(engine) << ", " << threads << " threads";
+    }
 }
 
 TEST_F(TrianglePairRules, ThicknessPlaysNoPart) {

@@ -170,6 +170,22 @@ TEST_F(Worlds, TrianglePairsAndWhatIsLeftOutAreThoseOfTheWorld) {
   apart.expect_same(all_worlds(), 0);
 }
 
+// Triangles between a few of the vertices have corners in common, and go through each other.
+TEST_F(Worlds, NeighboursThatCrossAreThoseOfTheWorld) {
+  Case meshes = of_one_world();
+  auto& triangles = meshes.meshes[0].triangles;
+  for (uint32_t t = 0; t < triangles.size(); ++t) {
+    const uint32_t first = 7 * t, second = first + 1 + t % 14;
+    triangles[t] = {first % 30, second % 30, (second + 14) % 30};
+  }
+  for (const Accuracy accuracy : kLevels) {
+    SceneSpec spec = settings(Mode::kDcd, accuracy, Scalar::kF32);
+    spec.kinds = {.triangle_triangle = true};
+    Scenes scenes(spec, meshes);
+    EXPECT_GT(scenes.expect_same(all_worlds(), 0), 100u);
+  }
+}
+
 TEST_F(Worlds, LooseElementsAreThoseOfTheWorld) {
   Case meshes = loosened(of_one_world());
   Scenes scenes(settings(Mode::kCcd, Accuracy::kCertified, Scalar::kF64, 0x1p-6), meshes);

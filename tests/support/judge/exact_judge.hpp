@@ -48,4 +48,8 @@ bool judge_proximity(QueryKind kind, const std::array<Vec3d, 4>& p, const Thickn
 /// Whether two closed triangles share a point; triangles may be coplanar, or a segment, or a point.
 bool judge_triangles(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b);
 
+/// The same of triangles whose first corners are one vertex: whether the closed side opposite to it of one meets the
+/// other.
+bool judge_neighbours(const std::array<Vec3d, 3>& a, const std::array<Vec3d, 3>& b);
+
 }  // namespace collided::test

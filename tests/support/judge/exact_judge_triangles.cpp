@@ -56,4 +56,9 @@ bool judge_triangles(const Triangle& a, const Triangle& b) {
   return boxes_meet(a, b) && (reaches(a, b) || reaches(b, a) || edges_meet(a, b));
 }
 
+// A side is a triangle whose last two corners are one.
+bool judge_neighbours(const Triangle& a, const Triangle& b) {
+  return judge_triangles({a[1], a[2], a[2]}, b) || judge_triangles({b[1], b[2], b[2]}, a);
+}
+
 }  // namespace collided::test

@@ -139,6 +139,39 @@ TEST(ExactTriangles, AgreesWithTheOtherWayOnALattice) {
   std::printf("12,000 pairs of triangles: 0 disagree, %zu meet\n", meeting);
 }
 
+bool has_area(const Triangle& t) {
+  const auto at = [&](size_t i) { return Int3{int64_t(t[i][0]), int64_t(t[i][1]), int64_t(t[i][2])}; };
+  return cross(minus(at(1), at(0)), minus(at(2), at(0))) != Int3{};
+}
+
+// Triangles with area are in one half of space each, seen from their corner: they have a second point in common if and
+// only if there is a direction in which both go.
+bool share_a_direction(const Triangle& a, const Triangle& b) {
+  const auto to = [](const Vec3d& from, const Vec3d& p, int64_t sign) {
+    return Int3{sign * int64_t(p[0] - from[0]), sign * int64_t(p[1] - from[1]), sign * int64_t(p[2] - from[2])};
+  };
+  return hull_has_zero({to(a[0], a[1], 1), to(a[0], a[2], 1), to(a[0], b[1], -1), to(a[0], b[2], -1)});
+}
+
+TEST(ExactTriangles, NeighboursAgreeWithTheOtherWayOnALattice) {
+  Lattice point;
+  size_t meeting = 0, flat = 0;
+  for (int n = 0; n < 16000; ++n) {
+    const int size = 1 + n % 4;
+    const Triangle a{point(size), point(size), point(size)}, b{a[0], point(size), point(size)};
+    const bool have_area = has_area(a) && has_area(b);
+    const bool expected =
+        have_area ? share_a_direction(a, b)
+                  : hulls_meet({a[1], a[2]}, {b[0], b[1], b[2]}) || hulls_meet({b[1], b[2]}, {a[0], a[1], a[2]});
+    ASSERT_EQ(judge_neighbours(a, b), expected) << n;
+    ASSERT_EQ(judge_neighbours({b[0], b[2], b[1]}, a), expected) << n;
+    meeting += expected, flat += !have_area;
+  }
+  EXPECT_GT(meeting, 2000u);
+  EXPECT_GT(flat, 1000u);
+  std::printf("16,000 pairs of neighbours: 0 disagree, %zu meet, %zu with a triangle without area\n", meeting, flat);
+}
+
 TEST(ExactProximity, AgreesWithTheOtherWayOnALattice) {
   Lattice point;
   for (int n = 0; n < 20000; ++n) {

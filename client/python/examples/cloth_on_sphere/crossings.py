@@ -1,10 +1,10 @@
-"""Counts triangles that meet and share no vertex, decided exactly by a second scene."""
+"""Counts triangles that meet, decided exactly by a second scene."""
 
 import collided
 
 
 class Crossings:
-    """Counts pairs of triangles of a simulation that share a point but no vertex, in real arithmetic; a context manager."""
+    """Counts pairs of triangles of a simulation that meet, those with a common corner beyond it; a context manager."""
 
     def __init__(self, simulation, **options):
         self.session = collided.Session(simulation.meshes, mode="dcd", accuracy="exact", kinds=["tt"],
