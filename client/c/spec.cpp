@@ -78,12 +78,14 @@ void parse_kinds(uint32_t mask, SceneSpec& engine) {
 constexpr std::pair<uint32_t, ContactField> kFields[] = {
     {COLLIDED_FIELDS_ELEMENTS, ContactField::kElements}, {COLLIDED_FIELDS_TOI, ContactField::kToi},
     {COLLIDED_FIELDS_DISTANCE, ContactField::kDistance}, {COLLIDED_FIELDS_WEIGHTS, ContactField::kWeights},
-    {COLLIDED_FIELDS_NORMALS, ContactField::kNormals},   {COLLIDED_FIELDS_FLAGS, ContactField::kFlags}};
+    {COLLIDED_FIELDS_NORMALS, ContactField::kNormals},   {COLLIDED_FIELDS_FLAGS, ContactField::kFlags},
+    {COLLIDED_FIELDS_FEATURES, ContactField::kFeatures}};
 
 void parse_fields(uint32_t mask, Spec& spec) {
-  constexpr uint32_t kAll = 2 * COLLIDED_FIELDS_FLAGS - 1;
+  constexpr uint32_t kAll = 2 * COLLIDED_FIELDS_FEATURES - 1;
+  constexpr uint32_t kOnlyIfNamed = COLLIDED_FIELDS_WEIGHTS | COLLIDED_FIELDS_NORMALS | COLLIDED_FIELDS_FEATURES;
   check_mask(mask, kAll, "fields");
-  if (mask == 0) mask = kAll & ~uint32_t{COLLIDED_FIELDS_WEIGHTS | COLLIDED_FIELDS_NORMALS};
+  if (mask == 0) mask = kAll & ~kOnlyIfNamed;
   for (const auto& [bit, field] : kFields)
     if ((mask & bit) != 0) spec.fields = spec.fields.with(field);
   spec.stencils = (mask & COLLIDED_FIELDS_STENCILS) != 0;

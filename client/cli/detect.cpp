@@ -5,6 +5,7 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "client/app/daemon/connection.hpp"
@@ -39,6 +40,7 @@ struct DetectOptions {
   std::string out, vtp, ply;
   bool has_chosen_kinds = false;   ///< the command did, not the user
   bool has_self_contacts = false;  ///< also with several meshes; and whether they intersect themselves
+  bool is_kept = false;            ///< leaves out contacts that others cover
   bool json = false;
 };
 
@@ -68,6 +70,17 @@ void choose_detection(const CLI::App& command, DetectOptions& options) {
   if (options.has_chosen_kinds) detection.kinds = {"vt", "ee", "tt", "et"};
 }
 
+/// Refuses --kept where the daemon does not find out which contacts are covered.
+void check_kept_contacts(const DetectOptions& options) {
+  const DetectionOptions& detection = options.detection;
+  const auto has = [&](const char* kind) { return std::ranges::count(detection.kinds, kind) > 0; };
+  if (detection.mode != "dcd" || detection.accuracy == "candidates" || detection.report != "all" || !has("vt") ||
+      !has("ee") || !options.server.part_devices.empty())
+    throw UsageError(
+        "--kept needs --mode dcd, --accuracy fast, guarded, certified or exact, --report all, the kinds vt and ee, and "
+        "one device");
+}
+
 void check_usage(const DetectOptions& options) {
   if (options.meshes.empty() == options.frames.empty()) throw UsageError("detect needs one of MESH... and --frames");
   const size_t frames = options.frames.size();
@@ -81,6 +94,7 @@ void check_usage(const DetectOptions& options) {
   if (options.has_self_contacts && frames == 2)
     throw UsageError("--self tests meshes that stand still; two frames move");
   check_usage(options.detection);
+  if (options.is_kept) check_kept_contacts(options);
   check_one_output(options.out, options.json);
   DetectionOptions located =
       options.detection;  // files of points leave out what has none, unless it is all that is asked
@@ -140,7 +154,7 @@ bool has_files(const DetectOptions& options) {
 SelfIntersection check_self(Connection& connection, const DetectOptions& options, const scenes::Mesh& mesh,
                             client::Positions positions, bool is_double) {
   v1::SceneSpec spec = scene_spec(options.server, self_detection(), choose_format(kAutomaticFormat, is_double));
-  ask_for_all_fields(spec);
+  connection.ask_for_all_fields(spec);
   const std::vector<scenes::Mesh> alone{mesh};
   const std::vector<client::MeshInput> inputs = mesh_inputs(alone);
   const SceneGuard scene = connection.create_scene(spec, inputs);
@@ -198,24 +212,30 @@ void run(const DetectOptions& options) {
   v1::SceneSpec spec =
       scene_spec(options.server, options.detection, choose_format(options.position_format, step.is_double));
   const bool stands_still = step.start.empty();
-  if (has_files(options) || stands_still) ask_for_all_fields(spec);  // which say where meshes meet
   grow_box(spec, step.start);
   grow_box(spec, step.end);
   v1::Frame frame = step_frame(step, 1, spec);
   set_advance(options.detection, frame);
   Connection connection(options.server);
+  if (has_files(options) || options.is_kept || stands_still)
+    connection.ask_for_all_fields(spec);  // which say where meshes meet
+  if (options.is_kept && std::ranges::count(spec.fields(), int{v1::CONTACT_FIELD_FEATURES}) == 0)
+    spec.add_fields(v1::CONTACT_FIELD_FEATURES);  // an older daemon is refused, rather than nothing left out
   const SceneGuard scene = connection.create_scene(spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
-  const client::FrameOutput output = run_frame(stream, frame);
+  client::FrameOutput output = run_frame(stream, frame);
   stream.finish();
+  const std::optional<uint64_t> covered = count_covered(output);
   const client::SceneFeatures features(stands_still ? meshes : std::vector<client::MeshInput>{});
   const Touching touching{meshes, step.end, output, spec, features};
   std::vector<SelfIntersection> selves;
   if (stands_still) selves = check_selves(connection, options, step, meshes, output, spec);
+  if (options.is_kept) leave_out_covered(output);  // verdicts are of all
   Json summary = stands_still ? found_in_words(touching, selves) : Json{{"found", step_text(step.name, touching)}};
   if (!step.notes.empty()) summary["notes"] = step.notes;
   summary["scene"] = scene_json(*scene);
   summary.update(found_json(output.done, spec));
+  if (covered) summary["covered_count"] = *covered;
   summary.update(advance_json(output));
   if (const auto contact = earliest_contact(output)) summary["earliest"] = *contact;
   summary.update(frame_json(output.done, spec.report()));
@@ -252,6 +272,8 @@ void add_detect(CLI::App& app) {
       "--self", options->has_self_contacts,
       "Tell whether each mesh is free of self-intersection, decided exactly; of several meshes, contacts of each with "
       "itself count, too");
+  command.add_flag("--kept", options->is_kept,
+                   "List only contacts that no other one covers, one for each local minimum of distance (dcd)");
   add_detection_options(command, options->detection);
   add_half_thickness_option(command, options->detection);
   add_advance_options(command, options->detection);

@@ -95,7 +95,7 @@ class CrossingFinder {
  public:
   CrossingFinder(Connection& connection, const RenderOptions& options, const Motion& motion)
       : motion_(motion),
-        spec_(spec_of(options.server)),
+        spec_(spec_of(connection, options.server)),
         scene_(connection.create_scene(spec_, mesh_inputs(motion.meshes))),
         stream_(connection.stream(*scene_)) {}
   client::Contacts find(client::Positions positions) {
@@ -104,11 +104,11 @@ class CrossingFinder {
   }
 
  private:
-  static v1::SceneSpec spec_of(const ServerOptions& server) {
+  static v1::SceneSpec spec_of(const Connection& connection, const ServerOptions& server) {
     DetectionOptions exact;
     exact.mode = "dcd", exact.accuracy = "exact", exact.kinds = {"et"};
     v1::SceneSpec spec = scene_spec(server, exact, v1::POSITION_FORMAT_F64);
-    ask_for_all_fields(spec);
+    connection.ask_for_all_fields(spec);
     return spec;
   }
 
@@ -126,8 +126,8 @@ class Renderer {
         motion_(motion),
         pattern_(pattern),
         pictures_(pictures),
-        spec_(spec_of()),
         connection_(options.server),
+        spec_(spec_of()),
         scene_(connection_.create_scene(spec_, thick_inputs(motion.meshes, options.detection))),
         stream_(connection_.stream(*scene_)),
         drawing_(options.picture, motion) {
@@ -156,7 +156,7 @@ class Renderer {
   v1::SceneSpec spec_of() const {
     v1::SceneSpec spec =
         scene_spec(options_.server, options_.detection, choose_format(options_.position_format, motion_.is_double));
-    ask_for_all_fields(spec);
+    connection_.ask_for_all_fields(spec);
     grow_box(spec, motion_);
     return spec;
   }
@@ -202,8 +202,8 @@ class Renderer {
   const Motion& motion_;
   const std::string pattern_;
   const int pictures_;
-  const v1::SceneSpec spec_;
   Connection connection_;
+  const v1::SceneSpec spec_;
   const SceneGuard scene_;
   client::FrameStream stream_;
   std::optional<CrossingFinder> crossings_;

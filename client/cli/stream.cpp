@@ -81,7 +81,6 @@ v1::SceneSpec spec_of(const StreamOptions& options, const Motion& motion) {
   spec.set_display_name(options.scene.name);
   spec.set_rest_distance(options.exclusions.rest_distance);
   grow_box(spec, motion);
-  if (!options.contacts.is_empty()) ask_for_all_fields(spec);
   return spec;
 }
 
@@ -186,6 +185,7 @@ void run(StreamOptions& options) {
     meshes[played.rigid.back()].is_rigid = true;
   }
   Connection connection(options.server);
+  if (!options.contacts.is_empty()) connection.ask_for_all_fields(played.spec);
   const SceneGuard scene = connection.create_scene(played.spec, meshes);
   client::FrameStream stream = connection.stream(*scene);
   play_into_files(stream, *scene, meshes, played);

@@ -307,6 +307,15 @@ const ChannelFactory& Client::channels() const { return state_->channels; }
 
 const v1::GetServerInfoResponse& Client::server_info() const { return state_->info; }
 
+std::vector<v1::ContactField> Client::contact_fields() const {
+  const auto& type = *v1::ContactField_descriptor();
+  std::vector<v1::ContactField> fields;
+  for_each_column([&](v1::ContactField field, auto) {
+    if (!state_->features->lack(type.FindValueByNumber(field)->full_name())) fields.push_back(field);
+  });
+  return fields;
+}
+
 v1::Scene Client::create_scene(v1::SceneSpec spec, std::span<const MeshInput> meshes, double lease_seconds) {
   auto request = request_of<v1::CreateSceneRequest>(std::move(spec), meshes, lease_seconds);
   const auto uploads = put_inline(meshes, state_->info.limits().max_message_bytes(), *request.mutable_spec());

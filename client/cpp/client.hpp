@@ -78,6 +78,8 @@ class Client {
 
   /// The daemon's version, devices and limits, as of the connection.
   const v1::GetServerInfoResponse& server_info() const;
+  /// Lists all fields of contacts that the daemon knows, for SceneSpec.fields. An older daemon may lack the last ones.
+  std::vector<v1::ContactField> contact_fields() const;
   /// Creates a scene of `spec` (which must have no meshes) and `meshes`, ready for frames. Retries if the answer is
   /// lost, without ever creating two scenes. The scene is deleted after `lease_seconds` without a stream or a call; 0:
   /// the daemon's default.

@@ -30,6 +30,7 @@ void for_each_array(const v1::ContactChunk& chunk, const Visit& visit, Structs&.
   visit("weights", chunk.weights(), shared.weights(), structs.weights...);
   visit("normals", chunk.normals(), shared.normals(), structs.normals...);
   visit("flags", chunk.flags(), shared.flags(), structs.flags...);
+  visit("features", chunk.features(), shared.features(), structs.features...);
 }
 
 /// Arrays of one chunk, in the message or in shared memory.
@@ -95,6 +96,21 @@ void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransp
   arrays.append("worlds", chunk.worlds(), chunk.shared().worlds(), contacts.worlds);
   contacts.count += chunk.count();
   check_numbers(contacts, before);
+}
+
+Contacts kept(const Contacts& contacts) {
+  std::vector<size_t> places;
+  for (size_t i = 0; i < contacts.count; ++i)
+    if (contacts.flags.empty() || (contacts.flags[i] & v1::CONTACT_FLAG_COVERED) == 0) places.push_back(i);
+  Contacts out;
+  out.count = places.size();
+  const auto copy = [&](auto column) {
+    if ((contacts.*column).empty()) return;
+    for (const size_t i : places) (out.*column).push_back((contacts.*column)[i]);
+  };
+  for_each_column([&](v1::ContactField, auto column) { copy(column); });
+  copy(&Contacts::worlds);
+  return out;
 }
 
 SceneSize size_of(const v1::SceneSpec& spec) {

@@ -22,7 +22,21 @@ struct Contacts {
   std::vector<std::array<double, 2>> weights;     ///< of the triangle's second and third corner, or along both edges
   std::vector<std::array<float, 3>> normals;      ///< unit, from the second feature to the first
   std::vector<uint8_t> flags;                     ///< masks of v1::ContactFlag
+  std::vector<uint8_t> features;                  ///< masks of ClosestFeatures; in discrete frames alone
   std::vector<uint32_t> worlds;                   ///< in a stream of a set: each contact's world, ascending
+};
+
+/// Lists the masks of Contacts::features. The closest points are p, of the first feature, and q, of the second. Ties go
+/// to the feature of the lowest dimension.
+enum ClosestFeatures : uint8_t {
+  /// Locates q on the triangle of a vertex and a triangle: 0 is the face, 1 to 3 is the side opposite to this corner,
+  /// and 4 to 6 is a corner. The three corners are those of the stencil, in its order.
+  kOnTriangle = 7,
+  kOnFirstEdge = 3,      ///< locates p on the first of two edges: 0 is inside, 1 and 2 are its ends in the stencil
+  kOnSecondEdge = 12,    ///< locates q on the second edge: 0 is inside, 4 and 8 are its ends
+  kNearerAtFirst = 16,   ///< the first feature's surface comes clearly nearer beside p
+  kNearerAtSecond = 32,  ///< the second feature's surface comes clearly nearer beside q
+  kSameAsBefore = 64  ///< an earlier contact is between the same two features; vertex-triangle comes before edge-edge
 };
 
 /// visit(field, member of Contacts) for each array that a scene can ask for, in the order of v1::ContactField.
@@ -35,6 +49,7 @@ constexpr void for_each_column(const Visit& visit) {
   visit(v1::CONTACT_FIELD_WEIGHTS, &Contacts::weights);
   visit(v1::CONTACT_FIELD_NORMAL, &Contacts::normals);
   visit(v1::CONTACT_FIELD_FLAGS, &Contacts::flags);
+  visit(v1::CONTACT_FIELD_FEATURES, &Contacts::features);
 }
 
 /// The number of these arrays.
@@ -54,7 +69,7 @@ struct DeviceArray {
 /// Contacts.
 struct DeviceContacts {
   uint64_t count = 0;
-  DeviceArray elements, stencils, toi, distance, weights, normals, flags;
+  DeviceArray elements, stencils, toi, distance, weights, normals, flags, features;
 };
 
 /// One value for each kind of contact.
@@ -71,6 +86,10 @@ void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(v1::CONTACT_KIND_TRIANGLE_TRIANGLE, structs.triangle_triangle...);
   visit(v1::CONTACT_KIND_EDGE_TRIANGLE, structs.edge_triangle...);
 }
+
+/// Returns the contacts that no other contact covers (v1::CONTACT_FLAG_COVERED), in their order, with their columns.
+/// All are kept if the scene does not ask for v1::CONTACT_FIELD_FEATURES and v1::CONTACT_FIELD_FLAGS.
+Contacts kept(const Contacts& contacts);
 
 /// What the second feature of a vertex-triangle contact is.
 enum class ElementKind { kTriangle, kEdge, kPoint };

@@ -27,6 +27,9 @@ type Contacts struct {
 	Normals [][3]float32
 	// Flags are bytes of masks: flags & IsInitial.
 	Flags []byte
+	// Features are bytes of discrete frames. PlaceOnTriangle and PlacesOnEdges read on which features the closest points are; masks
+	// such as NearerAtFirst say what covers a contact.
+	Features []byte
 }
 
 // ContactSet has contacts of all kinds.
@@ -69,7 +72,7 @@ func (s *ContactSet) add(field string, chunks ...*v1.ContactChunk) error {
 	return nil
 }
 
-// addLimits appends chunks of contacts that limit a way, which have every array. DataLoss for a kind that limits none.
+// addLimits appends chunks of contacts that limit a way, which have every array but Features. DataLoss for a kind that limits none.
 func (s *ContactSet) addLimits(chunks ...*v1.ContactChunk) error {
 	for _, chunk := range chunks {
 		if chunk.Kind == TriangleTriangle || chunk.Kind == EdgeTriangle {
@@ -99,7 +102,8 @@ func (c *Contacts) add(field string, chunk *v1.ContactChunk) error {
 	c.Distance = read(&r, "distance", c.Distance, chunk.Distance, 8, float64At)
 	c.Weights = read(&r, "weights", c.Weights, chunk.Weights, 16, twoFloat64s)
 	c.Normals = read(&r, "normals", c.Normals, chunk.Normals, 12, threeFloat32s)
-	c.Flags = read(&r, "flags", c.Flags, chunk.Flags, 1, func(bytes []byte) byte { return bytes[0] })
+	c.Flags = read(&r, "flags", c.Flags, chunk.Flags, 1, onlyByte)
+	c.Features = read(&r, "features", c.Features, chunk.Features, 1, onlyByte)
 	c.Count += int(chunk.Count)
 	if r.err != nil {
 		return r.err
@@ -130,6 +134,8 @@ func read[T any](r *reader, column string, out []T, bytes []byte, width int, ent
 	}
 	return out
 }
+
+func onlyByte(bytes []byte) byte { return bytes[0] }
 
 func uint32s[T [2]uint32 | [4]uint32](bytes []byte) (out T) {
 	for i := 0; i < len(out); i++ {

@@ -72,6 +72,7 @@ const (
 	FieldWeights  = v1.ContactField_CONTACT_FIELD_WEIGHTS
 	FieldNormal   = v1.ContactField_CONTACT_FIELD_NORMAL
 	FieldFlags    = v1.ContactField_CONTACT_FIELD_FLAGS
+	FieldFeatures = v1.ContactField_CONTACT_FIELD_FEATURES
 )
 
 // Masks of Contacts.Flags: contacts.Flags[i]&collided.IsInitial != 0.
@@ -81,6 +82,7 @@ const (
 	IsCapped     = byte(v1.ContactFlag_CONTACT_FLAG_CAPPED)
 	IsInitial    = byte(v1.ContactFlag_CONTACT_FLAG_INITIAL)
 	IsSeparating = byte(v1.ContactFlag_CONTACT_FLAG_SEPARATING)
+	IsCovered    = byte(v1.ContactFlag_CONTACT_FLAG_COVERED)
 	IsTouching   = byte(v1.ContactFlag_CONTACT_FLAG_TOUCHING)
 )
 

@@ -13,7 +13,7 @@ type Output struct {
 	// Shortened has how far each mesh, or vertex, went, in a frame with AdvanceMode PerMesh, or PerVertex.
 	Shortened Shortened
 	// Limits has the contacts that limit the way, in a frame with Limits. The whole way would bring each of these pairs nearer than
-	// it may come, or is not certain to keep it that far apart. They are of the kinds VertexTriangle and EdgeEdge, and have every slice, whatever SceneSpec.Fields says.
+	// it may come, or is not certain to keep it that far apart. They are of the kinds VertexTriangle and EdgeEdge, and have every slice but Features, whatever SceneSpec.Fields says.
 	// Distance is the least that a pair keeps, in the unit of the positions. TOI, in [0, 1], is the fraction of the whole way at
 	// which the pair comes to that distance, and never later than in truth. Weights and Normals are those of TOI.
 	Limits ContactSet
@@ -120,7 +120,7 @@ func (c *Contacts) check(field string, first int, hasArray bool) error {
 	return nil
 }
 
-// checkWhole checks that no array is missing.
+// checkWhole checks that no array is missing but Features, which only discrete frames have.
 func (c *Contacts) checkWhole(field string) error {
 	for _, column := range []struct {
 		name string

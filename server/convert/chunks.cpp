@@ -11,11 +11,13 @@ constexpr int kFieldShift = 2;
 static_assert(int{pb::ContactChunk::kElementsFieldNumber} == pb::SharedArrays::kElementsFieldNumber + kFieldShift);
 static_assert(int{pb::ContactChunk::kFlagsFieldNumber} == pb::SharedArrays::kFlagsFieldNumber + kFieldShift);
 static_assert(int{pb::ContactChunk::kWorldsFieldNumber} == pb::SharedArrays::kWorldsFieldNumber + kFieldShift);
+static_assert(int{pb::ContactChunk::kFeaturesFieldNumber} == pb::SharedArrays::kFeaturesFieldNumber + kFieldShift);
 
 // The engine's bytes go out as they are.
 static_assert(kFlagCertified == int{pb::CONTACT_FLAG_CERTIFIED} && kFlagNear == int{pb::CONTACT_FLAG_NEAR} &&
               kFlagCapped == int{pb::CONTACT_FLAG_CAPPED} && kFlagInitial == int{pb::CONTACT_FLAG_INITIAL} &&
-              kFlagSeparating == int{pb::CONTACT_FLAG_SEPARATING} && kFlagTouching == int{pb::CONTACT_FLAG_TOUCHING});
+              kFlagSeparating == int{pb::CONTACT_FLAG_SEPARATING} && kFlagCovered == int{pb::CONTACT_FLAG_COVERED} &&
+              kFlagTouching == int{pb::CONTACT_FLAG_TOUCHING});
 
 // The number in ContactChunk of each field's array.
 template <class T>
@@ -23,7 +25,8 @@ using FieldNumber = int;
 constexpr PerField<FieldNumber> kFieldNumbers{
     pb::ContactChunk::kElementsFieldNumber, pb::ContactChunk::kToiFieldNumber,
     pb::ContactChunk::kDistanceFieldNumber, pb::ContactChunk::kWeightsFieldNumber,
-    pb::ContactChunk::kNormalsFieldNumber,  pb::ContactChunk::kFlagsFieldNumber};
+    pb::ContactChunk::kNormalsFieldNumber,  pb::ContactChunk::kFlagsFieldNumber,
+    pb::ContactChunk::kFeaturesFieldNumber};
 
 // The wanted fields that exist for this kind at the frame's accuracy.
 OutputFields available(OutputFields fields, ContactKind kind, const ContactSet& set) {

@@ -75,7 +75,7 @@ constexpr std::pair<pb::ContactField, std::optional<ContactField>> kFields[] = {
     {pb::CONTACT_FIELD_ELEMENTS, ContactField::kElements}, {pb::CONTACT_FIELD_STENCIL, std::nullopt},
     {pb::CONTACT_FIELD_TOI, ContactField::kToi},           {pb::CONTACT_FIELD_DISTANCE, ContactField::kDistance},
     {pb::CONTACT_FIELD_WEIGHTS, ContactField::kWeights},   {pb::CONTACT_FIELD_NORMAL, ContactField::kNormals},
-    {pb::CONTACT_FIELD_FLAGS, ContactField::kFlags}};
+    {pb::CONTACT_FIELD_FLAGS, ContactField::kFlags},       {pb::CONTACT_FIELD_FEATURES, ContactField::kFeatures}};
 
 // The rows of each enum that is parsed.
 constexpr const auto& rows_of(Accuracy) { return kAccuracies; }

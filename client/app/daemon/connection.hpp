@@ -48,6 +48,10 @@ class Connection {
   client::Client& operator*() { return client_; }
   client::Client* operator->() { return &client_; }
 
+  /// Asks for every field of contacts that the daemon knows.
+  void ask_for_all_fields(v1::SceneSpec& spec) const {
+    for (const v1::ContactField field : client_.contact_fields()) spec.add_fields(field);
+  }
   /// Defers interrupts: on a foreign daemon before it creates the scene, which must be deleted; else once it exists.
   SceneGuard create_scene(const v1::SceneSpec& spec, std::span<const client::MeshInput> meshes) {
     if (!daemon_) defer_interrupts();

@@ -47,9 +47,4 @@ bool asks_for_crossings(const v1::SceneSpec& spec) {
   return std::ranges::count(spec.kinds(), int{v1::CONTACT_KIND_EDGE_TRIANGLE}) > 0;
 }
 
-void ask_for_all_fields(v1::SceneSpec& spec) {
-  for (int field = v1::CONTACT_FIELD_ELEMENTS; field <= v1::ContactField_MAX; ++field)
-    spec.add_fields(static_cast<v1::ContactField>(field));
-}
-
 }  // namespace collided::cli

@@ -27,7 +27,4 @@ std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::
 /// True if the spec asks for edge-triangle contacts, whose points need the features of the scene.
 bool asks_for_crossings(const v1::SceneSpec& spec);
 
-/// Every field of a contact, for SceneSpec.fields.
-void ask_for_all_fields(v1::SceneSpec& spec);
-
 }  // namespace collided::cli

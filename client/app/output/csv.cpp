@@ -16,11 +16,14 @@ namespace {
 
 using client::Contacts;
 
-/// The flags as words.
-struct FlagsColumn {
+/// A byte as words, such as "certified|initial".
+template <auto kWordsOf>
+struct WordsColumn {
   std::string_view names;
   std::vector<uint8_t> Contacts::*values;
 };
+
+constexpr auto kFlagWordsOf = [](v1::ContactKind, uint8_t flags) { return flag_words(flags); };
 
 /// The points where the two features touch, which follow from the weights and the positions of the vertices.
 struct PointsColumn {
@@ -32,10 +35,11 @@ constexpr std::tuple kColumns{TextColumn{"element_a,element_b", &Contacts::eleme
                               TextColumn{"v0,v1,v2,v3", &Contacts::stencils},
                               TextColumn{"toi", &Contacts::toi},
                               TextColumn{"distance", &Contacts::distance},
-                              FlagsColumn{"flags", &Contacts::flags},
+                              WordsColumn<kFlagWordsOf>{"flags", &Contacts::flags},
                               TextColumn{"w0,w1", &Contacts::weights},
                               PointsColumn{"point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z"},
-                              TextColumn{"normal_x,normal_y,normal_z", &Contacts::normals}};
+                              TextColumn{"normal_x,normal_y,normal_z", &Contacts::normals},
+                              WordsColumn<&feature_words>{"features", &Contacts::features}};
 static_assert(count_columns(kColumns) == client::kColumnCount, "a column of contacts is not in the files");
 
 /// A contact, and what its points are computed from.
@@ -56,20 +60,25 @@ void write(NumberFile& rows, const Row& row, const TextColumn<Entry>& column) {
   }
 }
 
-/// The words of every combination of flags, such as "certified|initial".
-std::array<std::string, 256> all_flag_texts() {
-  std::array<std::string, 256> texts;
-  for (size_t flags = 0; flags < texts.size(); ++flags)
-    for (const std::string_view word : flag_words(static_cast<uint8_t>(flags)))
-      texts[flags] += (texts[flags].empty() ? "" : "|") + std::string(word);
+/// The words of every byte, for each kind.
+using ByteTexts = std::array<std::array<std::string, 256>, v1::ContactKind_ARRAYSIZE>;
+
+template <class WordsOf>
+ByteTexts all_texts(const WordsOf& words_of) {
+  ByteTexts texts;
+  for (int kind = 0; kind < v1::ContactKind_ARRAYSIZE; ++kind)
+    for (size_t byte = 0; byte < texts[kind].size(); ++byte)
+      for (const std::string_view word : words_of(static_cast<v1::ContactKind>(kind), static_cast<uint8_t>(byte)))
+        texts[kind][byte] += (texts[kind][byte].empty() ? "" : "|") + std::string(word);
   return texts;
 }
 
-void write(NumberFile& rows, const Row& row, const FlagsColumn& column) {
-  static const auto kTexts = all_flag_texts();
-  const std::vector<uint8_t>& flags = row.contacts.*column.values;
+template <auto kWordsOf>
+void write(NumberFile& rows, const Row& row, const WordsColumn<kWordsOf>& column) {
+  static const ByteTexts kTexts = all_texts(kWordsOf);
+  const std::vector<uint8_t>& bytes = row.contacts.*column.values;
   rows.text(",");
-  if (!flags.empty()) rows.text(kTexts[flags[row.i]]);
+  if (!bytes.empty()) rows.text(kTexts[row.kind][bytes[row.i]]);
 }
 
 void write(NumberFile& rows, const Row& row, const PointsColumn&) {

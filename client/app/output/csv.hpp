@@ -1,6 +1,6 @@
 #pragma once
 // Contacts as CSV: vertex-triangle, edge-edge, triangle-triangle, then edge-triangle rows, each in the daemon's order.
-// Flags are words, such as "certified|initial"; a field that was not computed is empty.
+// Flags and features are words, such as "certified|initial"; a field that was not computed is empty.
 
 #include <string>
 

@@ -26,7 +26,8 @@ constexpr std::tuple kColumns{TextColumn{"nx,ny,nz", &Contacts::normals},
                               TextColumn{"element_a,element_b", &Contacts::elements},
                               TextColumn{"v0,v1,v2,v3", &Contacts::stencils},
                               TextColumn{"w0,w1", &Contacts::weights},
-                              TextColumn{"flags", &Contacts::flags}};
+                              TextColumn{"flags", &Contacts::flags},
+                              TextColumn{"features", &Contacts::features}};
 static_assert(count_columns(kColumns) == client::kColumnCount, "a column of contacts is not in the files");
 
 /// PLY's name of a type.

@@ -12,7 +12,18 @@ namespace {
 constexpr std::pair<v1::ContactFlag, std::string_view> kFlagWords[] = {
     {v1::CONTACT_FLAG_CERTIFIED, "certified"},   {v1::CONTACT_FLAG_NEAR, "near"},
     {v1::CONTACT_FLAG_CAPPED, "capped"},         {v1::CONTACT_FLAG_INITIAL, "initial"},
-    {v1::CONTACT_FLAG_SEPARATING, "separating"}, {v1::CONTACT_FLAG_TOUCHING, "touching"}};
+    {v1::CONTACT_FLAG_SEPARATING, "separating"}, {v1::CONTACT_FLAG_COVERED, "covered"},
+    {v1::CONTACT_FLAG_TOUCHING, "touching"}};
+
+constexpr std::pair<client::ClosestFeatures, std::string_view> kNearerWords[] = {
+    {client::kNearerAtFirst, "nearer_at_first"},
+    {client::kNearerAtSecond, "nearer_at_second"},
+    {client::kSameAsBefore, "same_as_before"}};
+
+// The last place is none.
+constexpr std::string_view kOnTriangleWords[] = {"face",     "side_1",   "side_2",   "side_3",
+                                                 "corner_1", "corner_2", "corner_3", "unknown"};
+constexpr std::string_view kOnEdgeWords[] = {"inside", "end_1", "end_2", "unknown"};
 
 }  // namespace
 
@@ -31,6 +42,34 @@ std::vector<std::string_view> flag_words(uint8_t flags) {
   for (const auto& [mask, word] : kFlagWords)
     if ((flags & mask) != 0) words.push_back(word);
   return words;
+}
+
+std::vector<std::string_view> feature_words(v1::ContactKind kind, uint8_t features) {
+  std::vector<std::string_view> words;
+  if (kind == v1::CONTACT_KIND_VERTEX_TRIANGLE)
+    words = {"vertex", kOnTriangleWords[features & client::kOnTriangle]};
+  else if (kind == v1::CONTACT_KIND_EDGE_EDGE)
+    words = {kOnEdgeWords[features & client::kOnFirstEdge],
+             kOnEdgeWords[(features & client::kOnSecondEdge) / (client::kOnFirstEdge + 1)]};
+  else
+    return {};
+  for (const auto& [mask, word] : kNearerWords)
+    if ((features & mask) != 0) words.push_back(word);
+  return words;
+}
+
+std::optional<uint64_t> count_covered(const client::FrameOutput& output) {
+  std::optional<uint64_t> covered;
+  for_each_kind(
+      [&](v1::ContactKind, const client::Contacts& contacts) {
+        if (!contacts.features.empty()) covered = covered.value_or(0) + contacts.count - client::kept(contacts).count;
+      },
+      output);
+  return covered;
+}
+
+void leave_out_covered(client::FrameOutput& output) {
+  for_each_kind([](v1::ContactKind, client::Contacts& contacts) { contacts = client::kept(contacts); }, output);
 }
 
 std::optional<Json> earliest_contact(const client::FrameOutput& output) {

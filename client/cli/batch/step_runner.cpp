@@ -51,7 +51,7 @@ StepResult StepRunner::try_once(const StepInput& step) {
   for (client::MeshInput& mesh : meshes) mesh.exclude_rings = options_.exclude_rings;
   v1::SceneSpec spec =
       scene_spec(options_.server, options_.detection, choose_format(options_.position_format, step.is_double));
-  ask_for_all_fields(spec);  // whether contacts are kept or not: their digest tells of all
+  connection_->ask_for_all_fields(spec);  // whether contacts are kept or not: their digest tells of all
   grow_box(spec, step.start);
   grow_box(spec, step.end);
   const v1::Frame frame = step_frame(step, 1, spec);

@@ -21,6 +21,8 @@ class Features {
   void check(const google::protobuf::Message& message, const std::string& path = "") const;
   /// The same of a call's request, and of the method that takes it.
   void check_call(const google::protobuf::Message& request) const;
+  /// True if the daemon does not know a field, enum value or method, by its full name.
+  bool lack(const std::string& name) const { return missing_.contains(name); }
 
  private:
   void check_fields(const google::protobuf::Message& message, const std::string& path) const;

@@ -13,6 +13,7 @@ export interface Contact {
   weights: [number, number] | undefined;
   normal: [number, number, number] | undefined;
   flags: number | undefined;
+  features: number | undefined;
 }
 
 /**
@@ -38,6 +39,11 @@ export interface Contacts extends Iterable<Contact> {
   normals: Float32Array;
   /** A byte of masks for each contact: `flags[i] & ContactFlag.INITIAL`. */
   flags: Uint8Array;
+  /**
+   * A byte for each contact of a discrete frame. `placeOnTriangle` and `placesOnEdges` read on which features the closest points
+   * are; masks say what covers it: `features[i] & ClosestFeature.NEARER_AT_SECOND`.
+   */
+  features: Uint8Array;
 }
 
 /** Contacts of all kinds. */
@@ -53,7 +59,7 @@ export type ContactsField = "contacts" | "limits";
 
 type Field = Exclude<keyof Contacts, "count" | "length" | typeof Symbol.iterator>;
 
-const ENTRIES: Record<Field, number> = { elements: 2, stencils: 4, toi: 1, distance: 1, weights: 2, normals: 3, flags: 1 };
+const ENTRIES: Record<Field, number> = { elements: 2, stencils: 4, toi: 1, distance: 1, weights: 2, normals: 3, flags: 1, features: 1 };
 const FIELDS = Object.keys(ENTRIES) as Field[];
 
 /**
@@ -79,7 +85,7 @@ export function contactsOf(chunks: readonly ContactChunk[], of: ContactsField = 
   };
 }
 
-/** Joins chunks of contacts that limit a way. Throws (DATA_LOSS) if an array is missing, or a kind limits no way. */
+/** Joins chunks of contacts that limit a way. Throws (DATA_LOSS) if an array but `features` is missing, or a kind limits no way. */
 export function limitsOf(chunks: readonly ContactChunk[]): ContactsByKind {
   const limits = contactsOf(chunks, "limits");
   for (const kind of [ContactKind.TRIANGLE_TRIANGLE, ContactKind.EDGE_TRIANGLE]) {
@@ -88,7 +94,7 @@ export function limitsOf(chunks: readonly ContactChunk[]): ContactsByKind {
     }
   }
   for (const contacts of [limits.vertexTriangle, limits.edgeEdge]) {
-    const missing = FIELDS.find((field) => contacts[field].length !== contacts.count * ENTRIES[field]);
+    const missing = FIELDS.find((field) => field !== "features" && contacts[field].length !== contacts.count * ENTRIES[field]);
     if (missing) throw dataLoss(`limits.${missing} has ${contacts[missing].length} entries for ${contacts.count} contacts`);
   }
   return limits;
@@ -111,6 +117,7 @@ function assemble(chunks: ContactChunk[], of: ContactsField): Contacts {
     weights: array(Float64Array, "weights"),
     normals: array(Float32Array, "normals"),
     flags: array(Uint8Array, "flags"),
+    features: array(Uint8Array, "features"),
   });
   checkNumbers(contacts, of, FIELDS.every((field) => contacts[field].length === 0));
   return contacts;
@@ -124,6 +131,7 @@ class ContactArrays implements Contacts {
   readonly weights: Float64Array;
   readonly normals: Float32Array;
   readonly flags: Uint8Array;
+  readonly features: Uint8Array;
 
   constructor(
     readonly count: number,
@@ -137,6 +145,7 @@ class ContactArrays implements Contacts {
       weights: this.weights,
       normals: this.normals,
       flags: this.flags,
+      features: this.features,
     } = arrays);
   }
 
@@ -154,6 +163,7 @@ class ContactArrays implements Contacts {
         weights: this.#entries("weights", i),
         normal: this.#entries("normals", i),
         flags: this.flags[i],
+        features: this.features[i],
       };
     }
   }

@@ -14,6 +14,7 @@ export { type Shortened, fractionsOf } from "./shortened.js";
 export type { FrameStream, StreamOptions } from "./stream.js";
 export type { Session, SessionOptions } from "./session.js";
 export type { SampledPositions, WatchOptions, WatchedFrame, Watcher } from "./watcher.js";
+export { ClosestFeature, EdgePlace, TrianglePlace, kept, placeOnTriangle, placesOnEdges } from "./closest.js";
 export { type ContactPoints, type ElementKind, contactPoints, elementKind } from "./points.js";
 export { type RealPositions, moveAlong, moveRigidly, packQuantized, poseAlong, unpackQuantized } from "./positions.js";
 

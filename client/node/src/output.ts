@@ -24,9 +24,9 @@ export class FrameOutput implements ContactsByKind {
   /**
    * Contacts that limit the way, in a frame with `limits`. The whole way would bring each of these pairs nearer than it may come,
    * or is not certain to keep it that far apart.
-   * They are vertex-triangle and edge-edge, and have every array, whatever the scene's fields are. `distance` is the least that a
-   * pair keeps, in the unit of the positions. `toi`, in [0, 1], is the fraction of the whole way at which the pair comes to that
-   * distance, and never later than in truth. `weights` and `normals` are those of `toi`.
+   * They are vertex-triangle and edge-edge, and have every array but `features`, whatever the scene's fields are. `distance` is the
+   * least that a pair keeps, in the unit of the positions. `toi`, in [0, 1], is the fraction of the whole way at which the pair comes
+   * to that distance, and never later than in truth. `weights` and `normals` are those of `toi`.
    */
   readonly limits: ContactsByKind;
   /** The frame was refused, and the scene is as it was; a stream goes on. */

@@ -19,6 +19,7 @@ class Column:
     shape: of one entry.
     missing: the value in a kind of contacts that lacks the field.
     parts: the names of its components, in tables that have one number a cell.
+    in_limits: contacts that limit the way of an advance have it.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Column:
     shape: tuple[int, ...]
     missing: Any
     parts: tuple[str, ...] = ()
+    in_limits: bool = True
 
     @property
     def width(self) -> int:
@@ -41,7 +43,8 @@ COLUMNS = {column.name: column for column in (
     Column("distance", "distance", np.dtype("<f8"), (), np.nan),
     Column("weights", "weights", np.dtype("<f8"), (2,), np.nan, ("w0", "w1")),
     Column("normals", "normal", np.dtype("<f4"), (3,), np.nan, ("normal_x", "normal_y", "normal_z")),
-    Column("flags", "flags", np.dtype("u1"), (), 0))}
+    Column("flags", "flags", np.dtype("u1"), (), 0),
+    Column("features", "features", np.dtype("u1"), (), 0, in_limits=False))}
 
 
 class HasColumns(Generic[Values]):
@@ -84,3 +87,9 @@ class HasColumns(Generic[Values]):
     def flags(self) -> Values:
         """uint8[n]: masks of `Flag`."""
         return self._column("flags")
+
+    @property
+    def features(self) -> Values:
+        """uint8[n]: on which features the closest points are, and masks of `Feature`; `OnTriangle.of` and `OnEdge.of` read it. In DCD
+        with the report "all", from "fast" on, in a scene on one device; 0 of triangle pairs and edge-triangle contacts."""
+        return self._column("features")

@@ -33,7 +33,7 @@ class SceneOptions:
     thickness, delta, min_separation, rest_distance: lengths >= 0. To `thickness` meshes add their own `half_thickness`; a
         `rest_distance` of 0 is each mesh's own contact distance.
     kinds: of "vt", "ee", "tt" and "et" (edges that go through triangles, in frames of DCD); empty: the first two.
-    fields: of FIELDS; those that are left out are neither computed nor sent.
+    fields: of FIELDS; those that are left out are neither computed nor sent. All of them mean all that the daemon knows.
     report: "all", "earliest_only" or "any_hit".
     backend: "auto", "cpu" or "cuda".
     device: id of the device that the scene is to live on, such as "cuda:1"; None: the daemon places it.

@@ -37,6 +37,7 @@ void compare(const PerKind<ContactSet>& expected, int32_t kind, const collided_c
   expect_same(contacts->weights, set.weights, judge);
   expect_same(contacts->normals, set.normals, judge);
   expect_same(contacts->flags, set.flags, judge);
+  expect_same(contacts->features, set.features, judge);
   ASSERT_EQ(contacts->stencils == nullptr, contacts->count == 0 || kind >= COLLIDED_TRIANGLE_TRIANGLE);
   for (uint64_t i = 0; contacts->stencils != nullptr && i < contacts->count; ++i) {
     const uint32_t *s = contacts->stencils + 4 * i, *e = contacts->elements + 2 * i;
@@ -299,7 +300,7 @@ TEST_F(CLibrary, FieldsThatAreNotAskedForAreNull) {
   EXPECT_NE(contacts.toi, nullptr);
   for (const void* column : {static_cast<const void*>(contacts.elements), static_cast<const void*>(contacts.stencils),
                              static_cast<const void*>(contacts.distance), static_cast<const void*>(contacts.flags),
-                             static_cast<const void*>(contacts.normals)})
+                             static_cast<const void*>(contacts.normals), static_cast<const void*>(contacts.features)})
     EXPECT_EQ(column, nullptr);
   collided_result_free(first);
   collided_result_free(result);
@@ -329,6 +330,7 @@ void expect_part(const collided_contacts& some, const collided_contacts& all, ui
   same(some.weights, all.weights, 2);
   same(some.normals, all.normals, 3);
   same(some.flags, all.flags, 1);
+  same(some.features, all.features, 1);
 }
 
 TEST_F(CLibrary, ContactsStayInTheRoomAndThoseThatDoNotFitComeToTheHost) {

@@ -56,7 +56,7 @@ TEST(CLibraryRefusals, SpecsWithTheirField) {
       {"broad_phase_engine", [](auto& s, auto*) { s.broad_phase_engine = 9; }},
       {"reuse", [](auto& s, auto*) { s.reuse = 3; }},
       {"kinds", [](auto& s, auto*) { s.kinds = 16; }},
-      {"fields", [](auto& s, auto*) { s.fields = 128; }},
+      {"fields", [](auto& s, auto*) { s.fields = 256; }},
       {"thickness", [](auto& s, auto*) { s.thickness = kNan; }},
       {"thickness", [](auto& s, auto*) { s.thickness = -1; }},
       {"delta", [](auto& s, auto*) { s.delta = kInfinity; }},

@@ -52,6 +52,9 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--kinds tt needs", *stream, "--kinds", "vt,tt")
         for words in (ccd, [*ccd, "--accuracy", "candidates"], [*dcd, "--accuracy", "candidates"]):
             self.refused(2, "--kinds et needs --mode dcd and --accuracy fast", *words, "--kinds", "vt,et")
+        for words in (ccd, [*dcd, "--accuracy", "candidates"], [*dcd, "--report", "any"], [*dcd, "--kinds", "vt"],
+                      [*dcd, "--part-devices", "cpu:0,cpu:0"]):
+            self.refused(2, "--kept needs --mode dcd, --accuracy fast", *words, "--kept")
         self.refused(2, "--thickness greater than 0", *dcd, "--accuracy", "fast")
         for words in (dcd, [*ccd, "--accuracy", "fast"], [*stream, "--kinds", "vt"]):
             self.refused(2, "--advance needs --mode ccd, --accuracy certified or exact", *words, "--advance")

@@ -83,6 +83,10 @@ TEST_F(ClientAndDaemon, PositionsInTheCallersMemoryGiveTheContactsOfAFrame) {
   b.finish();
 }
 
+TEST_F(ClientAndDaemon, ADaemonOfTheSameReleaseKnowsAllFieldsOfContacts) {
+  EXPECT_EQ(client.contact_fields().size(), size_t{kColumnCount});
+}
+
 TEST_F(ClientAndDaemon, AWatcherSeesTheContactsAndPositionsOfFramesThatOthersSend) {
   const v1::Scene scene = make_scene();
   Watcher watcher = client.watch(scene.scene_id(), {.max_contacts_per_kind = 10, .meshes = {0}, .vertex_stride = 2});

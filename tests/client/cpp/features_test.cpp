@@ -139,6 +139,13 @@ TEST_F(NewerLibrary, RefusesAnAdvanceModeThatAnOlderDaemonWouldIgnore) {
   }
 }
 
+TEST_F(NewerLibrary, NamesWhatAnOlderDaemonLacks) {
+  const std::string field = "collided.v1.CONTACT_FIELD_FEATURES";
+  EXPECT_TRUE(Features(daemon(), "here").lack(field));
+  EXPECT_FALSE(Features(daemon({field}), "here").lack(field));
+  EXPECT_FALSE(Features(daemon(), "here").lack("collided.v1.CONTACT_FIELD_FLAGS"));
+}
+
 TEST_F(NewerLibrary, RefusesAnOpeningBeforeAnythingIsSent) {
   v1::OpenStream open;
   open.set_window(2);

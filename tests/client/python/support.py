@@ -28,6 +28,7 @@ except ImportError as missing:
 DAEMON, COLLIDECTL, REPOSITORY = (pathlib.Path(argument) for argument in sys.argv[1:4])
 sys.path.insert(0, str(REPOSITORY / "tests" / "interop"))
 import collided  # noqa: E402
+from collided.columns import COLUMNS  # noqa: E402
 from daemon import Daemon  # noqa: E402
 
 FLOOR = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0]], "<f4")
@@ -169,11 +170,16 @@ class Case(unittest.TestCase):
         return caught.exception
 
 
-def assert_same(test, first, second):
-    """Two frames have the same contacts, to the bit."""
-    for name in ("kinds", "elements", "stencils", "toi", "distance", "weights", "normals", "flags"):
+def assert_same_columns(test, first, second):
+    """Two lists of contacts have the same columns, to the bit."""
+    for name in ("kinds", *COLUMNS):
         if name == "kinds" or first.has_column(name) or second.has_column(name):
             test.assertEqual(getattr(first, name).tobytes(), getattr(second, name).tobytes(), name)
+
+
+def assert_same(test, first, second):
+    """Two frames have the same contacts, to the bit."""
+    assert_same_columns(test, first, second)
     test.assertEqual(first.limits.records.tobytes(), second.limits.records.tobytes(), "limits")
     test.assertEqual((first.earliest_toi, first.any_contact, first.advanced, first.way),
                      (second.earliest_toi, second.any_contact, second.advanced, second.way))

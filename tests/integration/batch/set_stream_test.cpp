@@ -35,6 +35,7 @@ void expect_same(const client::WorldContacts& a, const client::WorldContacts& b)
   EXPECT_EQ(a.weights, b.weights);
   EXPECT_EQ(a.normals, b.normals);
   EXPECT_EQ(a.flags, b.flags);
+  EXPECT_EQ(a.features, b.features);
 }
 
 class SetStreams : public testing::Test {

@@ -186,6 +186,7 @@ inline pb::ContactChunk own_arrays(pb::ContactChunk chunk, const Memory& memory,
   chunk.set_weights(memory.get(shared.weights(), base));
   chunk.set_normals(memory.get(shared.normals(), base));
   chunk.set_flags(memory.get(shared.flags(), base));
+  chunk.set_features(memory.get(shared.features(), base));
   return chunk;
 }
 

@@ -1,4 +1,5 @@
-// The scene of contacts_test.py with the C++ library. usage: interop_contacts ADDRESS; writes the contacts' bytes to stdout.
+// The scene of contacts_test.py with the C++ library. usage: interop_contacts ADDRESS; writes the contacts' bytes to
+// stdout.
 
 #include <cstdio>
 #include <vector>
@@ -27,6 +28,7 @@ void put(const Contacts& contacts) {
   put(contacts.weights);
   put(contacts.normals);
   put(contacts.flags);
+  put(contacts.features);
 }
 
 void put(const PerKind<Contacts>& contacts) {
@@ -56,9 +58,10 @@ std::vector<std::array<uint32_t, 3>> triangles() {
 
 v1::SceneSpec spec() {
   v1::SceneSpec spec;
-  spec.set_mode(v1::DETECTION_MODE_CCD);
+  spec.set_mode(v1::DETECTION_MODE_DCD_AND_CCD);
+  spec.set_thickness(0.25);
   spec.set_position_format(v1::POSITION_FORMAT_F64);
-  for (int field = v1::CONTACT_FIELD_ELEMENTS; field <= v1::CONTACT_FIELD_FLAGS; ++field)
+  for (int field = v1::ContactField_MIN + 1; field <= v1::ContactField_MAX; ++field)
     spec.add_fields(static_cast<v1::ContactField>(field));
   return spec;
 }
@@ -98,6 +101,10 @@ int main(int, char** argv) {
     const FrameOutput output = stream.receive();
     output.check();
     put(static_cast<const PerKind<Contacts>&>(output));
+    stream.send(++id, {}, {.mode = v1::DETECTION_MODE_DCD});
+    const FrameOutput still = stream.receive();
+    still.check();
+    put(static_cast<const PerKind<Contacts>&>(still));
   }
   stream.finish();
 }

@@ -53,7 +53,7 @@ func frameOf(number int) (frame collided.Frame) {
 }
 
 func put(out *bufio.Writer, c *collided.Contacts) {
-	for _, array := range []any{uint32(c.Count), c.Elements, c.Stencils, c.TOI, c.Distance, c.Weights, c.Normals, c.Flags} {
+	for _, array := range []any{uint32(c.Count), c.Elements, c.Stencils, c.TOI, c.Distance, c.Weights, c.Normals, c.Flags, c.Features} {
 		check(binary.Write(out, binary.LittleEndian, array))
 	}
 }
@@ -68,8 +68,8 @@ func main() {
 	client, err := collided.Connect(ctx, os.Args[1], collided.Options{})
 	check(err)
 	defer client.Close()
-	spec := &collided.SceneSpec{Mode: collided.CCD, PositionFormat: collided.FormatF64}
-	for field := collided.FieldElements; field <= collided.FieldFlags; field++ {
+	spec := &collided.SceneSpec{Mode: collided.DCDAndCCD, Thickness: 0.25, PositionFormat: collided.FormatF64}
+	for field := collided.FieldElements; field <= collided.FieldFeatures; field++ {
 		spec.Fields = append(spec.Fields, field)
 	}
 	lower := collided.Mesh{Name: "lower", VertexCount: side * side, Triangles: triangles(), Motion: collided.Static}
@@ -90,6 +90,9 @@ func main() {
 		output, err := stream.Detect(ctx, frame)
 		check(err)
 		putBoth(out, &output.ContactSet)
+		still, err := stream.Detect(ctx, collided.Frame{Mode: collided.DCD})
+		check(err)
+		putBoth(out, &still.ContactSet)
 	}
 	check(out.Flush())
 	check(stream.Finish(ctx))

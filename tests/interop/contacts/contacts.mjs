@@ -31,8 +31,8 @@ function updatesOf(frame) {
 }
 
 function bytesOf({ count, ...arrays }) {
-  const { elements, stencils, toi, distance, weights, normals, flags } = arrays;
-  const all = [Uint32Array.of(count), elements, stencils, toi, distance, weights, normals, flags];
+  const { elements, stencils, toi, distance, weights, normals, flags, features } = arrays;
+  const all = [Uint32Array.of(count), elements, stencils, toi, distance, weights, normals, flags, features];
   return Buffer.concat(all.map((array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength)));
 }
 
@@ -43,7 +43,8 @@ function put({ vertexTriangle, edgeEdge }) {
 const client = await connect(process.argv[2]);
 const meshes = Object.entries({ lower: MeshMotion.STATIC, upper: MeshMotion.DEFORMABLE });
 const scene = await client.createScene({
-  mode: DetectionMode.CCD,
+  mode: DetectionMode.DCD_AND_CCD,
+  thickness: 0.25,
   positionFormat: PositionFormat.F64,
   fields: Object.values(ContactField).filter((field) => field > 0),
   meshes: meshes.map(([name, motion]) => ({ name, vertexCount: VERTICES, triangles: triangles(), motion })),
@@ -56,6 +57,7 @@ for (let frame = 0; frame < 5; ++frame) {
     put((await stream.detect({ updates, ...options })).limits);
   }
   put(await stream.detect({ updates }));
+  put(await stream.detect({ updates: [], mode: DetectionMode.DCD }));
 }
 await stream.finish();
 await client.close();

@@ -11,7 +11,7 @@ from collided.v1 import collision_service_pb2_grpc as rpc
 from collided.v1 import contact_pb2, frame_pb2, scene_pb2
 
 SIDE = 17
-FIELDS = ("elements", "stencils", "toi", "distance", "weights", "normals", "flags")
+FIELDS = ("elements", "stencils", "toi", "distance", "weights", "normals", "flags", "features")
 
 
 def sheet(shift, height, a, b):
@@ -39,6 +39,7 @@ def frames():
             yield frame_pb2.Frame(updates=[update], trial=True, advance=True, limits=True,
                                   advance_mode=frame_pb2.ADVANCE_MODE_PER_VERTEX)
         yield frame_pb2.Frame(updates=[lower, update] if frame == 0 else [update])
+        yield frame_pb2.Frame(mode=scene_pb2.DETECTION_MODE_DCD)
 
 
 def put(chunks, kind):
@@ -53,8 +54,8 @@ def main(address):
     names = {"lower": scene_pb2.MESH_MOTION_STATIC, "upper": scene_pb2.MESH_MOTION_DEFORMABLE}
     meshes = [scene_pb2.MeshSpec(name=name, vertex_count=SIDE * SIDE, triangles=triangles(), motion=motion)
               for name, motion in names.items()]
-    spec = scene_pb2.SceneSpec(mode=scene_pb2.DETECTION_MODE_CCD, position_format=scene_pb2.POSITION_FORMAT_F64,
-                               fields=range(1, 8), meshes=meshes)
+    spec = scene_pb2.SceneSpec(mode=scene_pb2.DETECTION_MODE_DCD_AND_CCD, thickness=0.25,
+                               position_format=scene_pb2.POSITION_FORMAT_F64, fields=range(1, 9), meshes=meshes)
     scene = stub.CreateScene(api.CreateSceneRequest(spec=spec), timeout=30).scene
     requests = queue.Queue()
     responses = stub.StreamFrames(iter(requests.get, None), timeout=60)

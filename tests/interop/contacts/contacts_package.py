@@ -12,7 +12,8 @@ import collided
 def put(contacts):
     sys.stdout.buffer.write(np.array(len(contacts), "<u4").tobytes())
     for field in FIELDS:
-        sys.stdout.buffer.write(getattr(contacts, field).tobytes())
+        if contacts.has_column(field):
+            sys.stdout.buffer.write(getattr(contacts, field).tobytes())
 
 
 def put_both(contacts):
@@ -23,7 +24,8 @@ def put_both(contacts):
 def main(address, transport):
     cells = np.frombuffer(triangles(), "<u4").reshape(-1, 3)
     meshes = {"lower": collided.Mesh(triangles=cells, motion="static"), "upper": cells}
-    with collided.Session(meshes, server=address, transport=transport, position_format="f64") as session:
+    with collided.Session(meshes, server=address, transport=transport, position_format="f64", mode="dcd_and_ccd",
+                          thickness=0.25) as session:
         for frame in range(5):
             upper = sheet(0.125, 2 - frame, 11, 5)
             positions = {"upper": upper, "lower": sheet(0, 0, 7, 13)} if frame == 0 else {"upper": upper}
@@ -32,6 +34,7 @@ def main(address, transport):
             if frame == 2:
                 put_both(session.step(positions, trial=True, advance="per_vertex", limits=True).limits)
             put_both(session.step(positions))
+            put_both(session.step(mode="dcd"))
 
 
 main(*sys.argv[1:])

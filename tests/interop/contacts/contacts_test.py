@@ -4,8 +4,8 @@
 usage: contacts_test.py DAEMON CPP_PROGRAM LANGUAGE REPOSITORY BUILD_FOLDER
 
 LANGUAGE is python (plain stubs), package (that of Python), node or go; its client is compared with that in C++. Two sheets of bumps pass through each other
-in five frames, the last one sparse; each client prints, for each frame, the arrays of its contacts. Before the third frame they try
-to advance to where it goes, and print the arrays of what limits the way.
+in five frames, the last one sparse, with a discrete frame after each; each client prints, for each frame, the arrays of its contacts.
+Before the third frame they try to advance to where it goes, and print the arrays of what limits the way.
 """
 
 import os

@@ -164,7 +164,7 @@ enum {
   COLLIDED_KINDS_EDGE_TRIANGLE = 8
 };
 
-/* Masks of collided_scene_spec.fields. 0: all but WEIGHTS and NORMALS. */
+/* Masks of collided_scene_spec.fields. 0: all but WEIGHTS, NORMALS and FEATURES. */
 enum {
   COLLIDED_FIELDS_ELEMENTS = 1,
   COLLIDED_FIELDS_STENCILS = 2,
@@ -172,7 +172,8 @@ enum {
   COLLIDED_FIELDS_DISTANCE = 8,
   COLLIDED_FIELDS_WEIGHTS = 16,
   COLLIDED_FIELDS_NORMALS = 32,
-  COLLIDED_FIELDS_FLAGS = 64
+  COLLIDED_FIELDS_FLAGS = 64,
+  COLLIDED_FIELDS_FEATURES = 128 /* with it frames of DCD also have FLAG_COVERED, and normals where surfaces touch */
 };
 
 /* One mesh. It has one element or more, of any kinds. Vertices are numbered within the mesh. */
@@ -324,6 +325,8 @@ typedef struct collided_contacts {
   const double* weights;    /* [count][2]: of the triangle's second and third corner, or along each edge */
   const float* normals;     /* [count][3]: unit length, from the second feature to the first */
   const uint8_t* flags;     /* [count]: masks COLLIDED_FLAG_... (from FAST on) */
+  const uint8_t* features;  /* [count]: masks COLLIDED_CLOSEST_..., of VERTEX_TRIANGLE and EDGE_EDGE (DCD from FAST on,
+                               REPORT_ALL) */
 } collided_contacts;
 
 enum {
@@ -332,7 +335,21 @@ enum {
   COLLIDED_FLAG_CAPPED = 4,      /* the iteration limit was met; toi is still a lower bound */
   COLLIDED_FLAG_INITIAL = 8,     /* in contact at t = 0 (with NEAR: to within delta) */
   COLLIDED_FLAG_SEPARATING = 16, /* in contact at t = 0, and certain to come no closer in the step */
+  COLLIDED_FLAG_COVERED = 32,    /* with `features`: another contact is between the same two features, or is nearer */
   COLLIDED_FLAG_TOUCHING = 64 /* EDGE_TRIANGLE: they touch, and the order of their vertices' ids makes it a crossing */
+};
+
+/* Masks of collided_contacts.features. The closest points are p, of the first feature, and q, of the second. Ties go to
+ * the feature of the lowest dimension. */
+enum {
+  COLLIDED_CLOSEST_ON_TRIANGLE = 7,       /* VERTEX_TRIANGLE, q: 0 within the face, 1 to 3 on the side opposite to this
+                                             corner of the stencil's three, 4 to 6 on a corner */
+  COLLIDED_CLOSEST_ON_FIRST_EDGE = 3,     /* EDGE_EDGE, p: 0 within the edge, 1 or 2 on this end of it in the stencil */
+  COLLIDED_CLOSEST_ON_SECOND_EDGE = 12,   /* EDGE_EDGE, q, likewise: 0, 4 or 8 */
+  COLLIDED_CLOSEST_NEARER_AT_FIRST = 16,  /* the first surface comes clearly nearer beside p */
+  COLLIDED_CLOSEST_NEARER_AT_SECOND = 32, /* the second surface comes clearly nearer beside q */
+  COLLIDED_CLOSEST_SAME_AS_BEFORE = 64    /* an earlier contact is between the same two features; VERTEX_TRIANGLE comes
+                                             before EDGE_EDGE */
 };
 
 /* Gives the contacts on the host: all of them, or those that did not fit into collided_frame.room. */

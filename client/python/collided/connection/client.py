@@ -27,8 +27,8 @@ from collided.connection.own_daemon import OwnDaemon, shared_daemon
 from collided.errors import (DataLoss, DeadlineExceeded, Error, InvalidArgument, NotFound, ResourceExhausted, Unavailable,
                              error_of_call)
 from collided.layout import Layout
-from collided.options import SceneOptions, check_seconds
-from collided.v1 import batch_pb2, scene_pb2
+from collided.options import FIELDS, SceneOptions, check_seconds
+from collided.v1 import batch_pb2, contact_pb2, scene_pb2
 from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
 
@@ -76,7 +76,7 @@ class Client:
     def estimate(self, meshes: Any, **options: Any) -> api.EstimateSceneResponse:
         """What a scene would cost, before it is made: memory, bytes of its frames, stages. Arguments of Scene."""
         asked = SceneOptions(**options)
-        spec = full_spec(Layout.of(meshes, asked.exclude), asked)
+        spec = self._known_spec(Layout.of(meshes, asked.exclude), asked)
         return self.call("EstimateScene", api.EstimateSceneRequest(spec=spec))
 
     def scenes(self) -> list[scene_pb2.Scene]:
@@ -171,7 +171,7 @@ class Client:
                      tries: int = _CREATE_TRIES) -> scene_pb2.Scene:
         """Retries if the answer is lost, without ever creating two scenes on a daemon."""
         check_seconds(lease_seconds, "lease_seconds")
-        request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
+        request = api.CreateSceneRequest(request_id=uuid.uuid4().hex, spec=self._known_spec(layout, options),
                                          lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
         return self._upload_all(self._create("CreateScene", request, tries), uploads)
@@ -181,10 +181,20 @@ class Client:
         if not is_whole(count, UINT32_MAX):
             raise InvalidArgument(f"count is {count!r}; it must be from 1 to 65536", field="count")
         check_seconds(lease_seconds, "lease_seconds")
-        request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=full_spec(layout, options),
+        request = batch_pb2.CreateScenesRequest(request_id=uuid.uuid4().hex, spec=self._known_spec(layout, options),
                                                 count=int(count), lease_seconds=lease_seconds)
         uploads = self._put_inline(request.spec, layout)
         return self._upload_all(self._create("CreateScenes", request), uploads)
+
+    def _known_spec(self, layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:
+        """The spec of a scene, without its triangles. All fields of contacts, which are the default, are those that the daemon knows."""
+        spec = full_spec(layout, options)
+        features = self.connect().features
+        assert features is not None
+        if set(options.fields) == set(FIELDS):
+            spec.fields[:] = [field for field in spec.fields
+                              if not features.lack(f"collided.v1.{contact_pb2.ContactField.Name(field)}")]
+        return spec
 
     def _put_inline(self, spec: scene_pb2.SceneSpec, layout: Layout) -> dict[int, np.ndarray]:
         """Puts triangles into the spec, those of the smallest meshes first. Those of the others, by mesh, which need a call

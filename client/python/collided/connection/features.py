@@ -26,6 +26,10 @@ class Features:
             for field, name in _contents(request, path):
                 self._require(name, field)
 
+    def lack(self, name: str) -> bool:
+        """Returns True if the daemon does not know a field, an enum value or a method. name: its full name."""
+        return name in self._missing
+
     def check_method(self, method: str) -> None:
         """The same of a method of CollisionService."""
         if self._missing:

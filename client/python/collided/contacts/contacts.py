@@ -29,6 +29,7 @@ class Flag(enum.IntFlag):
     CAPPED = contact_pb2.CONTACT_FLAG_CAPPED
     INITIAL = contact_pb2.CONTACT_FLAG_INITIAL
     SEPARATING = contact_pb2.CONTACT_FLAG_SEPARATING
+    COVERED = contact_pb2.CONTACT_FLAG_COVERED
     TOUCHING = contact_pb2.CONTACT_FLAG_TOUCHING
 
 
@@ -127,9 +128,9 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
         """Contacts that limit the way, in a frame with `limits=True`; else none. A selection of contacts has those of the whole frame.
 
         The whole way would bring each of these pairs nearer than it may come, or is not certain to keep it that far apart. They are
-        vertex-triangle and edge-edge, in canonical order, and have every column, whatever the scene's fields are. `distance` is the least
-        that a pair keeps, in the unit of the positions. `toi`, in [0, 1], is the fraction of the whole way at which the pair comes to
-        that distance, and never later than in truth. Weights, normals and points are those of `toi`."""
+        vertex-triangle and edge-edge, in canonical order, and have every column but `features`, whatever the scene's fields are.
+        `distance` is the least that a pair keeps, in the unit of the positions. `toi`, in [0, 1], is the fraction of the whole way at
+        which the pair comes to that distance, and never later than in truth. Weights, normals and points are those of `toi`."""
         return Contacts._of_checked(self.answer, self.answer.limits)
 
     @property
@@ -147,6 +148,13 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
     def has_flag(self, flag: Flag) -> np.ndarray:
         """bool[n]: whether each contact has it: `contacts[contacts.has_flag(Flag.CERTIFIED)]`."""
         return (self.flags & flag) != 0
+
+    @property
+    def kept(self) -> Contacts:
+        """Contacts that no other one covers, in DCD. They have each local minimum of distance between two surfaces once. So all of them
+        have one direction on a flat floor, which is what a rigid-body solver needs. Nothing is covered unless the scene asks for
+        `features` and has the kinds "vt" and "ee". Needs the field "flags"."""
+        return self[~self.has_flag(Flag.COVERED)]
 
     @cached_property
     def meshes(self) -> np.ndarray:

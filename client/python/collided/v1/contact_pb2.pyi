@@ -7,6 +7,7 @@ from typing import ClassVar as _ClassVar, Mapping as _Mapping, Optional as _Opti
 
 CONTACT_FIELD_DISTANCE: ContactField
 CONTACT_FIELD_ELEMENTS: ContactField
+CONTACT_FIELD_FEATURES: ContactField
 CONTACT_FIELD_FLAGS: ContactField
 CONTACT_FIELD_NORMAL: ContactField
 CONTACT_FIELD_STENCIL: ContactField
@@ -15,6 +16,7 @@ CONTACT_FIELD_UNSPECIFIED: ContactField
 CONTACT_FIELD_WEIGHTS: ContactField
 CONTACT_FLAG_CAPPED: ContactFlag
 CONTACT_FLAG_CERTIFIED: ContactFlag
+CONTACT_FLAG_COVERED: ContactFlag
 CONTACT_FLAG_INITIAL: ContactFlag
 CONTACT_FLAG_NEAR: ContactFlag
 CONTACT_FLAG_SEPARATING: ContactFlag
@@ -28,10 +30,11 @@ CONTACT_KIND_VERTEX_TRIANGLE: ContactKind
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class ContactChunk(_message.Message):
-    __slots__ = ["count", "distance", "elements", "flags", "kind", "normals", "shared", "stencils", "toi", "weights", "worlds"]
+    __slots__ = ["count", "distance", "elements", "features", "flags", "kind", "normals", "shared", "stencils", "toi", "weights", "worlds"]
     COUNT_FIELD_NUMBER: _ClassVar[int]
     DISTANCE_FIELD_NUMBER: _ClassVar[int]
     ELEMENTS_FIELD_NUMBER: _ClassVar[int]
+    FEATURES_FIELD_NUMBER: _ClassVar[int]
     FLAGS_FIELD_NUMBER: _ClassVar[int]
     KIND_FIELD_NUMBER: _ClassVar[int]
     NORMALS_FIELD_NUMBER: _ClassVar[int]
@@ -43,6 +46,7 @@ class ContactChunk(_message.Message):
     count: int
     distance: bytes
     elements: bytes
+    features: bytes
     flags: bytes
     kind: ContactKind
     normals: bytes
@@ -51,12 +55,13 @@ class ContactChunk(_message.Message):
     toi: bytes
     weights: bytes
     worlds: bytes
-    def __init__(self, kind: _Optional[_Union[ContactKind, str]] = ..., count: _Optional[int] = ..., elements: _Optional[bytes] = ..., stencils: _Optional[bytes] = ..., toi: _Optional[bytes] = ..., distance: _Optional[bytes] = ..., weights: _Optional[bytes] = ..., normals: _Optional[bytes] = ..., flags: _Optional[bytes] = ..., shared: _Optional[_Union[SharedArrays, _Mapping]] = ..., worlds: _Optional[bytes] = ...) -> None: ...
+    def __init__(self, kind: _Optional[_Union[ContactKind, str]] = ..., count: _Optional[int] = ..., elements: _Optional[bytes] = ..., stencils: _Optional[bytes] = ..., toi: _Optional[bytes] = ..., distance: _Optional[bytes] = ..., weights: _Optional[bytes] = ..., normals: _Optional[bytes] = ..., flags: _Optional[bytes] = ..., shared: _Optional[_Union[SharedArrays, _Mapping]] = ..., worlds: _Optional[bytes] = ..., features: _Optional[bytes] = ...) -> None: ...
 
 class SharedArrays(_message.Message):
-    __slots__ = ["distance", "elements", "flags", "normals", "stencils", "toi", "weights", "worlds"]
+    __slots__ = ["distance", "elements", "features", "flags", "normals", "stencils", "toi", "weights", "worlds"]
     DISTANCE_FIELD_NUMBER: _ClassVar[int]
     ELEMENTS_FIELD_NUMBER: _ClassVar[int]
+    FEATURES_FIELD_NUMBER: _ClassVar[int]
     FLAGS_FIELD_NUMBER: _ClassVar[int]
     NORMALS_FIELD_NUMBER: _ClassVar[int]
     STENCILS_FIELD_NUMBER: _ClassVar[int]
@@ -65,13 +70,14 @@ class SharedArrays(_message.Message):
     WORLDS_FIELD_NUMBER: _ClassVar[int]
     distance: _shared_range_pb2.SharedRange
     elements: _shared_range_pb2.SharedRange
+    features: _shared_range_pb2.SharedRange
     flags: _shared_range_pb2.SharedRange
     normals: _shared_range_pb2.SharedRange
     stencils: _shared_range_pb2.SharedRange
     toi: _shared_range_pb2.SharedRange
     weights: _shared_range_pb2.SharedRange
     worlds: _shared_range_pb2.SharedRange
-    def __init__(self, elements: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., stencils: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., toi: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., distance: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., weights: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., normals: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., flags: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., worlds: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ...) -> None: ...
+    def __init__(self, elements: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., stencils: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., toi: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., distance: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., weights: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., normals: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., flags: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., worlds: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ..., features: _Optional[_Union[_shared_range_pb2.SharedRange, _Mapping]] = ...) -> None: ...
 
 class ContactKind(int, metaclass=_enum_type_wrapper.EnumTypeWrapper):
     __slots__ = []

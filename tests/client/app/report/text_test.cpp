@@ -73,5 +73,37 @@ TEST(Flags, AreMasks) {
             (std::vector<std::string_view>{"certified", "touching"}));
 }
 
+TEST(FeatureWords, TellTheClosestFeaturesAndWhatCoversThem) {
+  const auto words = [](v1::ContactKind kind, uint8_t features) {
+    std::string text;
+    for (const std::string_view word : feature_words(kind, features)) text += std::string(word) + " ";
+    return text;
+  };
+  const char* const places[] = {"face", "side_1", "side_2", "side_3", "corner_1", "corner_2", "corner_3", "unknown"};
+  for (uint8_t place = 0; place < 8; ++place)
+    EXPECT_EQ(words(v1::CONTACT_KIND_VERTEX_TRIANGLE, place), "vertex " + std::string(places[place]) + " ");
+  EXPECT_EQ(words(v1::CONTACT_KIND_VERTEX_TRIANGLE, 2 + 32 + 64), "vertex side_2 nearer_at_second same_as_before ");
+  EXPECT_EQ(words(v1::CONTACT_KIND_EDGE_EDGE, 0), "inside inside ");
+  EXPECT_EQ(words(v1::CONTACT_KIND_EDGE_EDGE, 1 + 8), "end_1 end_2 ");
+  EXPECT_EQ(words(v1::CONTACT_KIND_EDGE_EDGE, 2 + 4 + 16), "end_2 end_1 nearer_at_first ");
+  EXPECT_EQ(words(v1::CONTACT_KIND_EDGE_TRIANGLE, 0), "");
+}
+
+TEST(Covered, AreCountedAndLeftOutWithAllColumns) {
+  client::FrameOutput output;
+  output.vertex_triangle = {
+      .count = 3, .elements = {{1, 0}, {2, 0}, {3, 0}}, .flags = {1, 1 | v1::CONTACT_FLAG_COVERED, 1}};
+  EXPECT_FALSE(count_covered(output));
+  output.vertex_triangle.features = {4, 5, 6};
+  EXPECT_EQ(count_covered(output), 1u);
+  leave_out_covered(output);
+  EXPECT_EQ(output.vertex_triangle.count, 2u);
+  EXPECT_EQ(output.vertex_triangle.elements, (std::vector<std::array<uint32_t, 2>>{{1, 0}, {3, 0}}));
+  EXPECT_EQ(output.vertex_triangle.features, (std::vector<uint8_t>{4, 6}));
+  EXPECT_EQ(output.vertex_triangle.flags, (std::vector<uint8_t>{1, 1}));
+  EXPECT_TRUE(output.vertex_triangle.weights.empty());
+  EXPECT_EQ(count_covered(output), 0u);
+}
+
 }  // namespace
 }  // namespace collided::cli

@@ -18,7 +18,7 @@ from collided.v1 import scene_pb2
 
 LIBRARIES = [name for name in ("torch", "cupy") if importlib.util.find_spec(name)]
 CUDART = "cudart"
-FIELDS = ("elements", "stencils", "toi", "distance", "weights", "normals", "flags")
+FIELDS = ("elements", "stencils", "toi", "distance", "weights", "normals", "flags", "features")
 
 
 def sheet(n, height, depth):

@@ -39,8 +39,10 @@ sys.path.insert(0, str(newer_package(pathlib.Path(FOLDER.name))))
 import collided
 import compatibility
 from collided.connection.features import Features, additions
+from collided.options import FIELDS
 from collided.v1 import collision_service_pb2 as api
 from collided.v1 import frame_pb2, scene_pb2
+from collided.v1.contact_pb2 import ContactField
 from support import STREAMS, TIP, Supervised, lowered, meshes
 
 
@@ -107,6 +109,16 @@ class NewerClient(unittest.TestCase):
     def test_an_opening_is_refused(self):
         self.client.connect()
         self.refused("open.is_mirrored", self.client.check_known, api.OpenStream(is_mirrored=True), "open")
+
+    def test_all_fields_of_contacts_are_those_that_the_daemon_knows(self):
+        self.client.connect().features = Features(api.GetServerInfoResponse(version="0.1.0"), "here")
+        known = [field for field in FIELDS if field != "features"]
+        with collided.Session(meshes(), server=self.client, mode="dcd", thickness=0.5) as session:
+            asked = self.client.get_scene(session.scene.id).spec.fields
+            self.assertEqual([ContactField.Name(field) for field in asked], [f"CONTACT_FIELD_{field.upper()}" for field in known])
+            self.assertEqual(len(session.step({"tip": lowered(0.75)}).kept), 1)
+        with self.assertRaisesRegex(collided.Unimplemented, r"spec\.fields\[0\] = CONTACT_FIELD_FEATURES needs a daemon of release 0\.2\.0"):
+            collided.Scene(meshes(), server=self.client, fields=["features"])
 
     def test_a_daemon_that_knows_it_is_asked(self):
         features = Features(api.GetServerInfoResponse(version="99.0.0", features=sorted(additions())), "here")

@@ -43,7 +43,7 @@ std::vector<pb::ContactChunk> chunks_of(const std::vector<EncodedMessage>& messa
 
 size_t array_bytes(const pb::ContactChunk& chunk) {
   return chunk.elements().size() + chunk.stencils().size() + chunk.toi().size() + chunk.distance().size() +
-         chunk.weights().size() + chunk.normals().size() + chunk.flags().size();
+         chunk.weights().size() + chunk.normals().size() + chunk.flags().size() + chunk.features().size();
 }
 
 class FrameEncode : public testing::Test {
@@ -59,7 +59,7 @@ class FrameEncode : public testing::Test {
     std::vector<double> toi, distance;
     std::vector<std::array<double, 2>> weights;
     std::vector<Normal> normals;
-    std::vector<uint8_t> flags;
+    std::vector<uint8_t> flags, features;
     for (uint32_t i = 0; i < count; ++i) {
       elements.push_back({i % firsts, i / firsts % seconds});
       toi.push_back(1.0 / (i + 1));
@@ -67,8 +67,9 @@ class FrameEncode : public testing::Test {
       weights.push_back({0.25 * i, 0.125 * i});
       normals.push_back({0.5f * static_cast<float>(i), 1, 2});
       flags.push_back(static_cast<uint8_t>(i % 16));
+      features.push_back(static_cast<uint8_t>(i % 128));
     }
-    return {{elements, toi, distance, weights, normals, flags}};
+    return {{elements, toi, distance, weights, normals, flags, features}};
   }
   static std::shared_ptr<AnsweredFrame> frame(uint32_t vertex_triangle, uint32_t edge_edge,
                                               uint32_t triangle_triangle) {
@@ -78,7 +79,7 @@ class FrameEncode : public testing::Test {
     frame->result.vertex_triangle = contacts(vertex_triangle, 6, 2);
     frame->result.edge_edge = contacts(edge_edge, 6, 6);
     auto& pairs = frame->result.triangle_triangle = contacts(triangle_triangle, 1, 2);
-    pairs.toi = {}, pairs.distance = {}, pairs.weights = {}, pairs.normals = {};
+    pairs.toi = {}, pairs.distance = {}, pairs.weights = {}, pairs.normals = {}, pairs.features = {};
     frame->result.any_contact = true;
     return frame;
   }
