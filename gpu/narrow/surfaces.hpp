@@ -141,9 +141,10 @@ struct Surfaces {
     if (!(least < 1) || at.count == 3) return false;
     return at.count == 1 ? comes_nearer_around(at, toward.unit, least) : comes_nearer_across(at, toward.unit, least);
   }
-  COLLIDED_HD static double slope(const Vec3<double>& direction, const Vec3<double>& toward) {
-    const double length2 = dot(direction, direction);
-    return length2 > 0 ? dot(direction, toward) / std::sqrt(length2) : 0;
+  /// Whether a point that goes this way comes nearer by more than `least` of its way.
+  COLLIDED_HD static bool is_steep(const Vec3<double>& direction, const Vec3<double>& toward, double least) {
+    const double nearer = dot(direction, toward);
+    return nearer > 0 && nearer * nearer > least * least * dot(direction, direction);
   }
   /// Around a corner: along each side, and within each triangle between its sides.
   COLLIDED_HD bool comes_nearer_around(const NamedFeature& at, const Vec3<double>& toward, double least) const {
@@ -151,7 +152,7 @@ struct Surfaces {
     for_each_element(at, [&](const Vec3<uint32_t>& t) {
       const uint32_t v = at.v[0], w = other_corner(t, v);
       const Vec3<double> b = along(v, w), c = along(v, third_corner(t, v, w));
-      found = slope(b, toward) > least || slope(c, toward) > least || is_steep_between(b, c, toward, least);
+      found = is_steep(b, toward, least) || is_steep(c, toward, least) || is_steep_between(b, c, toward, least);
       return !found;
     });
     return found;
@@ -163,7 +164,7 @@ struct Surfaces {
     if (!(n2 > 0x1p-60)) return false;  // nearly no area
     if (!(dot(cross(b, toward), n) >= 0 && dot(cross(toward, c), n) >= 0)) return false;
     const Vec3<double> off = cross(n, toward);
-    return std::sqrt(dot(off, off) / n2) > least;
+    return dot(off, off) > least * least * n2;
   }
   /// From a side into the triangles that have it.
   COLLIDED_HD bool comes_nearer_across(const NamedFeature& at, const Vec3<double>& toward, double least) const {
@@ -174,7 +175,7 @@ struct Surfaces {
     for_each_element(at, [&](const Vec3<uint32_t>& t) {
       if (t.y == t.z) return true;
       const Vec3<double> f = along(at.v[0], third_corner(t, at.v[0], at.v[1])), across = f - (dot(f, e) / e2) * e;
-      found = dot(across, across) > 0x1p-60 && slope(across, toward) > least;
+      found = dot(across, across) > 0x1p-60 && is_steep(across, toward, least);
       return !found;
     });
     return found;

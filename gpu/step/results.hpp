@@ -230,7 +230,7 @@ class Results {
         tell_features(kind, value_of(contacts(), Kind::kKind));
       });
     const KindBegins kinds = send_back().first;
-    cover_.cover(needs_);
+    cover_.run(needs_, true);
     for_each_kind(
         [&](ContactKind kind, ContactSet& set) {
           const auto bring = [&](auto& column, const auto& resident) {
