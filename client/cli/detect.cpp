@@ -164,7 +164,7 @@ SelfIntersection check_self(Connection& connection, const DetectOptions& options
   return judge_self(inputs[0], positions, output);
 }
 
-/// What meshes that stand still are to themselves: one alone if its contacts tell, all of them with --self.
+/// Judges meshes that stand still: all of them with --self, else one alone if its contacts tell.
 std::vector<SelfIntersection> check_selves(Connection& connection, const DetectOptions& options, const StepInput& step,
                                            const std::vector<client::MeshInput>& meshes,
                                            const client::FrameOutput& output, const v1::SceneSpec& spec) {
@@ -182,7 +182,7 @@ std::vector<SelfIntersection> check_selves(Connection& connection, const DetectO
   return selves;
 }
 
-/// Says in sentences what was found. What is said of one mesh and itself is the whole answer.
+/// Says in sentences what was found. The verdict on one mesh alone is the whole answer.
 Json found_in_words(const Touching& touching, const std::vector<SelfIntersection>& selves) {
   std::string text = selves.size() == 1 && touching.meshes.size() == 1 ? "" : touching_text(touching);
   for (const SelfIntersection& self : selves) text += (text.empty() ? "" : "\n") + self_text(self);
@@ -258,9 +258,8 @@ void add_detect(CLI::App& app) {
       "  collidectl detect ball.ply box.obj --thickness 0.01 --out contacts.csv\n"
       "  collidectl detect --frames before.ply after.ply\n"
       "\n"
-      "Exit codes: 0 done, whatever touches, 1 failure, 2 bad usage, 3 done, but with --self a mesh intersects itself "
-      "or\n"
-      "has parts that were not covered, 128 + n interrupted by signal n.");
+      "Exit codes: 0 done, 1 failure, 2 bad usage, 3 done, but with --self a mesh is not free of self-intersection, "
+      "128 + n interrupted by signal n.");
   command.add_option("MESH", options->meshes, "Meshes of one scene: OBJ, PLY, STL, OFF, glTF, GLB or DAE")
       ->type_name("FILE");
   command

@@ -16,7 +16,7 @@ struct ContourLines {
   std::vector<scenes::Vec3d> corners;
   size_t contact_count = 0;  ///< points before the corners
 
-  /// Without the scene in `positions` there are no contours.
+  /// Joins the edge-triangle contacts. There are no contours if `positions` have no scene.
   ContourLines(const client::FrameOutput& output, const StepPositions& positions);
 
   /// The number of lines between two points.

@@ -12,10 +12,10 @@
 
 namespace collided::cli {
 
-/// VTK's PolyData in XML (.vtp), in ASCII: a vertex for each contact, then a poly-line for each contour, whose cells
-/// have `contour` (its number; -1 of vertices), `closed` and `meshes` (indices; -1 of vertices). Fields that were not
-/// computed are left out, and are 0 of a kind that does not have them. Throws std::runtime_error if the file cannot be
-/// written.
+/// Writes VTK's PolyData in XML (.vtp), in ASCII: a vertex for each contact, then a poly-line for each contour. Data of
+/// these cells are `contour` (its number), `closed` and `meshes` (their indices); the first and the last are -1 of
+/// vertices. Fields that were not computed are left out. A kind that lacks a field has zeros there. Throws
+/// std::runtime_error if the file cannot be written.
 void write_vtp(const std::string& file, const client::FrameOutput& output, const StepPositions& positions);
 
 /// PLY in ASCII: fields that were not computed are 0. Contours are edges between the points.

@@ -20,7 +20,7 @@ struct MeetingCounts {
 /// Contacts that a JSON list has at most; counts tell of all.
 constexpr size_t kMaxListed = 1000;
 
-/// "2 edges go through triangles, 1 pair touches", without what there is none of.
+/// Returns "2 edges go through triangles, 1 pair touches". Counts of 0 are left out.
 std::string meetings_text(const MeetingCounts& counts);
 
 /// `crossing_count` and `touching_count`.

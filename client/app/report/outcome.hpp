@@ -1,5 +1,5 @@
 #pragma once
-// How a command ends whose work is done.
+// Ends a command whose work is done with an exit code of its own.
 
 #include <stdexcept>
 

@@ -16,7 +16,7 @@ namespace {
 
 using Pair = std::pair<size_t, size_t>;
 
-/// What was found between two meshes, or a mesh and itself.
+/// Contacts between two meshes, or of a mesh with itself.
 struct Found {
   client::PerKind<uint64_t> counts;
   MeetingCounts meetings;

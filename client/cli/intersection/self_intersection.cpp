@@ -1,4 +1,4 @@
-// Whether a mesh is free of self-intersection.
+// Judges whether a mesh is free of self-intersection.
 
 #include "client/cli/intersection/self_intersection.hpp"
 

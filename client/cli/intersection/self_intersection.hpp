@@ -1,5 +1,5 @@
 #pragma once
-// Whether a mesh is free of self-intersection.
+// Judges whether a mesh is free of self-intersection.
 
 #include <optional>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace collided::cli {
 
-/// What is true of a mesh and itself, in real arithmetic on its positions. A mesh of triangles with area, none listed
+/// The verdict on a mesh and itself, in real arithmetic on its positions. A mesh of triangles with area, none listed
 /// twice, is free of self-intersection if and only if DCD at thickness 0 and EXACT has no contact of the kinds
 /// edge-triangle, vertex-triangle and edge-edge.
 struct SelfIntersection {

@@ -1,4 +1,4 @@
-// What a picture marks: contacts of vertices with triangles, of edges, and where triangles cross.
+// Marks of a picture: contacts of vertices with triangles, contacts of edges, and lines along which triangles cross.
 
 #include "client/cli/picture/marks.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a picture marks: contacts of vertices with triangles, of edges, and where triangles cross.
+// Marks of a picture: contacts of vertices with triangles, contacts of edges, and lines along which triangles cross.
 
 #include <cstdint>
 #include <vector>
