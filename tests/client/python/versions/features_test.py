@@ -113,10 +113,10 @@ class NewerClient(unittest.TestCase):
     def test_all_fields_of_contacts_are_those_that_the_daemon_knows(self):
         self.client.connect().features = Features(api.GetServerInfoResponse(version="0.1.0"), "here")
         known = [field for field in FIELDS if field != "features"]
-        with collided.Session(meshes(), server=self.client, mode="dcd", thickness=0.5) as session:
+        with collided.Session(meshes(), server=self.client, mode="dcd_and_ccd", thickness=0.5) as session:
             asked = self.client.get_scene(session.scene.id).spec.fields
             self.assertEqual([ContactField.Name(field) for field in asked], [f"CONTACT_FIELD_{field.upper()}" for field in known])
-            self.assertEqual(len(session.step({"tip": lowered(0.75)}).kept), 1)
+            self.assertEqual(len(session.step({"tip": lowered(0.75)}, mode="dcd").kept), 1)
         with self.assertRaisesRegex(collided.Unimplemented, r"spec\.fields\[0\] = CONTACT_FIELD_FEATURES needs a daemon of release 0\.2\.0"):
             collided.Scene(meshes(), server=self.client, fields=["features"])
 
