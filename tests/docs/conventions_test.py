@@ -27,7 +27,7 @@ from run_page import run_python  # noqa: E402
 PAGE = Page(REPOSITORY / "proto" / "CONVENTIONS.md")
 FIELDS = [contact_pb2.CONTACT_FIELD_ELEMENTS, contact_pb2.CONTACT_FIELD_STENCIL, contact_pb2.CONTACT_FIELD_TOI,
           contact_pb2.CONTACT_FIELD_DISTANCE, contact_pb2.CONTACT_FIELD_WEIGHTS, contact_pb2.CONTACT_FIELD_NORMAL,
-          contact_pb2.CONTACT_FIELD_FLAGS]
+          contact_pb2.CONTACT_FIELD_FLAGS, contact_pb2.CONTACT_FIELD_FEATURES]
 TRIANGLE = np.array([[0, 1, 2]], "<u4").tobytes()
 FLOOR = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0]], "<f4")
 # Two tips, whose contacts come one after the other.
@@ -96,7 +96,7 @@ class Conventions(unittest.TestCase):
             done = self.fall(self.make(mode, level, report))
         except grpc.RpcError as error:
             self.assertEqual(error.code(), grpc.StatusCode.INVALID_ARGUMENT)
-            return ["refused", "", "", ""]
+            return ["refused", "", "", "", ""]
         chunks, end = list(done.contacts), done.done
         count = sum(chunk.count for chunk in chunks)
         self.assertEqual(count, end.contact_count)
@@ -111,7 +111,7 @@ class Conventions(unittest.TestCase):
         self.assertEqual(has("toi"), end.earliest_toi < 1)
         contacts = {0: "none", 1: "one"}.get(count, "all")
         return [contacts, *("yes" if it else "no" for it in (
-            has("toi"), has("distance", "weights", "normals", "flags"), end.any_contact))]
+            has("toi"), has("distance", "weights", "normals", "flags"), has("features"), end.any_contact))]
 
     def test_the_table_of_flags_has_their_masks(self):
         told = {name.strip("`"): int(mask) for name, mask, _ in PAGE.table(after="## Flags")[1:]}
@@ -171,7 +171,7 @@ class Conventions(unittest.TestCase):
         scene = self.stub.CreateScene(api.CreateSceneRequest(spec=spec), timeout=30).scene
         for chunk in self.fall(scene).contacts:
             self.assertTrue(chunk.elements and chunk.stencils and chunk.toi and chunk.distance and chunk.flags)
-            self.assertFalse(chunk.weights or chunk.normals)
+            self.assertFalse(chunk.weights or chunk.normals or chunk.features)
 
     def test_the_id_of_a_refused_frame_may_be_used_again(self):
         scene = self.make()
