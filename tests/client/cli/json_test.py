@@ -53,6 +53,7 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
         self.read("detect", "--frames", *frames, *ONE_CPU, *IN_PARTS)
         self.read("stream", *SMALL, "--frames", "1", "--mode", "dcd", "--half-thickness", "ribbon_a=0.01", *ONE_CPU)
         self.read("detect", *frames, self.put("repeated.obj", support.FRAME0 + "f 1 1 2\n"), *ONE_CPU)
+        self.read("detect", *frames, "--thickness", "1", "--kept", *ONE_CPU)
         results = os.path.join(self.folder.name, "results")
         self.read("batch", self.put("pairs.csv", "a.obj,b.obj\n"), *ONE_CPU, "--out", results)
         self.read("merge", results, "--out", os.path.join(self.folder.name, "pairs"))
