@@ -100,7 +100,7 @@ def server_complaint(path, target):
 FOLDERS = {"base": set(), "exact": {"base"}, "exec": {"base"}, "contacts": {"base", "exec"}}
 FOLDERS |= {folder: {"base", "exec", "contacts"} for folder in ("positions", "boxes", "narrow")}
 FOLDERS["search"] = {"base", "exec", "contacts", "boxes"}
-FOLDERS["tables"] = {"base", "exec", "search"}
+FOLDERS["tables"] = {"base", "contacts", "exec", "search"}
 FOLDERS["state"] = {"base", "exec", "contacts", "boxes", "search", "narrow"}
 FOLDERS["engines"] = {"base", "exec", "contacts", "boxes", "narrow", "state"}
 FOLDERS["step"] = FOLDERS["state"] | {"state", "engines", "exact"}

@@ -52,6 +52,30 @@ func TestAnEdgeGoesThroughANeighbour(t *testing.T) {
 	refused(t, err, codes.InvalidArgument, "spec.kinds[3]", "EDGE_TRIANGLE")
 }
 
+// A tip stands above the diagonal of a square.
+func TestOfAVertexAboveASideOneContactIsKept(t *testing.T) {
+	ctx, client := connected(t)
+	meshes := []collided.Mesh{{Name: "floor", VertexCount: 4, Triangles: [][3]uint32{{0, 1, 2}, {0, 2, 3}}},
+		{Name: "spike", VertexCount: 3, Triangles: [][3]uint32{{0, 1, 2}}}}
+	spec := &collided.SceneSpec{Mode: collided.DCD, Thickness: 0.02, PositionFormat: collided.FormatF64,
+		Fields: []v1.ContactField{collided.FieldElements, collided.FieldFlags, collided.FieldFeatures}}
+	frame := collided.Frame{ID: 1, Updates: []collided.Update{
+		{Mesh: 0, Positions: collided.F64{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+		{Mesh: 1, Positions: collided.F64{{0.5, 0.5, 0.001}, {0.25, 0.5, 1}, {0.75, 0.625, 1}}}}}
+	output, err := client.Detect(ctx, create(ctx, t, client, spec, meshes), frame)
+	must(t, err)
+	vt, ee := output.VertexTriangle, output.EdgeEdge
+	same(t, [2]int{vt.Count, ee.Count}, [2]int{2, 2})
+	same(t, collided.PlaceOnTriangle(vt.Features[0]), collided.OnSide2)
+	same(t, collided.PlaceOnTriangle(vt.Features[1]), collided.OnSide3)
+	p, q := collided.PlacesOnEdges(ee.Features[0])
+	same(t, [2]collided.EdgePlace{p, q}, [2]collided.EdgePlace{collided.Inside, collided.OnEnd1})
+	same(t, vt.Features[1]&collided.SameAsBefore, collided.SameAsBefore)
+	if kept := vt.Kept(); !reflect.DeepEqual(kept, []int{0}) || len(ee.Kept()) != 0 {
+		t.Fatal(kept, ee.Kept())
+	}
+}
+
 func TestIDsHaveAllTheirBits(t *testing.T) {
 	ctx, client := connected(t)
 	scene := fallScene(ctx, t, client)

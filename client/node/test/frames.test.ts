@@ -2,16 +2,22 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
   Accuracy,
+  ClosestFeature,
   Code,
   ContactField,
   ContactFlag,
   ContactKind,
   DetectionMode,
+  EdgePlace,
   type FrameInput,
   PositionFormat,
   Report,
   type Scene,
   type SceneInput,
+  TrianglePlace,
+  kept,
+  placeOnTriangle,
+  placesOnEdges,
 } from "../src/index.js";
 import { FLOOR, TWO_TRIANGLES, fall, refused, sheets, tipAt, useDaemon } from "./support.js";
 
@@ -66,6 +72,30 @@ test("an edge goes through a neighbour", async () => {
   await used.client.deleteScene(scene);
   const moving = { ...folded, mode: DetectionMode.CCD, kinds: [VERTEX_TRIANGLE, EDGE_EDGE, EDGE_TRIANGLE] };
   await refused(() => used.client.createScene(moving), Code.INVALID_ARGUMENT, "spec.kinds[2]", /EDGE_TRIANGLE/);
+});
+
+// A tip stands above the diagonal of a square.
+test("of a vertex above a side one contact is kept", async () => {
+  const scene = await used.client.createScene({
+    mode: DetectionMode.DCD,
+    thickness: 0.02,
+    positionFormat: PositionFormat.F64,
+    fields: [ContactField.ELEMENTS, ContactField.FLAGS, ContactField.FEATURES],
+    meshes: [
+      { name: "floor", vertexCount: 4, triangles: [0, 1, 2, 0, 2, 3] },
+      { name: "spike", vertexCount: 3, triangles: [0, 1, 2] },
+    ],
+  });
+  const square = Float64Array.of(0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0);
+  const spike = Float64Array.of(0.5, 0.5, 0.001, 0.25, 0.5, 1, 0.75, 0.625, 1);
+  const updates = [square, spike].map((positions, mesh) => ({ mesh, positions }));
+  const { vertexTriangle, edgeEdge } = await used.client.detect(scene, { frameId: 1, updates });
+  assert.deepEqual([...vertexTriangle.elements], [4, 0, 4, 1]);
+  assert.deepEqual([...vertexTriangle.features].map(placeOnTriangle), [TrianglePlace.SIDE_2, TrianglePlace.SIDE_3]);
+  assert.deepEqual(placesOnEdges(edgeEdge.features[0]), [EdgePlace.INSIDE, EdgePlace.END_1]);
+  assert((vertexTriangle.features[1] & ClosestFeature.SAME_AS_BEFORE) !== 0);
+  assert.deepEqual([kept(vertexTriangle), kept(edgeEdge)], [[0], []]);
+  await used.client.deleteScene(scene);
 });
 
 test("ids have all their 64 bits", () =>

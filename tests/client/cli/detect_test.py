@@ -557,6 +557,29 @@ class Detect(support.CollidectlTest):
             widths = {len(row) for row in lines[:len(points)]}
             self.assertEqual(widths, {header.count("property ") - 2})
 
+    def test_contacts_of_what_stands_still_have_features_and_some_cover_others(self):
+        floor = self.put("floor.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
+        spike = self.put("spike.obj", "v 0.5 0.5 0.0009765625\nv 0.25 0.5 1\nv 0.75 0.625 1\nf 1 2 3\n")
+        out, vtp, ply = (os.path.join(self.folder.name, "c." + ending) for ending in ("csv", "vtp", "ply"))
+        words = ["detect", floor, spike, *ONE_CPU, "--thickness", "0.02", "--json"]
+        files = ["--kinds", "vt,ee", "--out", out, "--vtp", vtp, "--ply", ply]
+        self.assertNotIn("covered_count", json.loads(self.ok(*words)))
+        every = json.loads(self.ok(*words, *files))
+        self.assertEqual((every["contact_count"], every["covered_count"], every["touching"][0]["contact_count"]), (4, 3, 4))
+        rows = self.rows(out)
+        self.assertEqual([row["features"] for row in rows],
+                         ["vertex|side_2", "vertex|side_3|same_as_before", *["inside|end_1|same_as_before"] * 2])
+        self.assertEqual(["covered" in row["flags"].split("|") for row in rows], [False, True, True, True])
+        (array,) = [a for a in xml.etree.ElementTree.parse(vtp).iter("DataArray") if a.get("Name") == "features"]
+        self.assertEqual(array.text.split(), [str(byte) for byte in (2, 3 + 64, 4 + 64, 4 + 64)])
+        with open(ply, encoding="ascii") as file:
+            self.assertEqual([line.split()[-1] for line in file.read().split("end_header\n")[1].splitlines()], array.text.split())
+        kept = json.loads(self.ok(*words, *files, "--kept"))
+        self.assertEqual((kept["contact_count"], kept["covered_count"], kept["touching"][0]["contact_count"]), (4, 3, 1))
+        self.assertRegex(kept["found"], r": 1 contact \(1 vertex-triangle\)$")
+        self.assertEqual(self.rows(out), rows[:1])
+        self.assertIn("\ncovered_count  3\n", self.ok(*words[:-1], "--kept"))
+
     def test_candidates_leave_uncomputed_fields_empty(self):
         out = os.path.join(self.folder.name, "c.csv")
         self.ok("detect", "--frames", self.frame0, self.frame1, *ONE_CPU, "--accuracy", "candidates", "--out", out)
