@@ -24,7 +24,7 @@ struct FoundFeatures {
   bool is_certain;  ///< real arithmetic gives the same
 };
 
-/// Says if a condition holds. If that is not certain, it is what rounded numbers say.
+/// Says if a condition holds. If that is not certain, it counts as a tie, in which it does.
 struct Judged {
   bool holds, is_certain;
 };

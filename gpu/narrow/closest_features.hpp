@@ -46,8 +46,9 @@ class SizedNumbers {
     return {x + y + z, magnitude(x) + magnitude(y) + magnitude(z)};
   }
   COLLIDED_HD Judged not_positive(const SizedSum& a) const {
-    const bool is_known = magnitude(a.value) > 0x1p-49 * a.size || a.size == 0 || (a.value == 0 && is_on_lattice_);
-    return {a.value <= 0, is_in_range_ && is_known};
+    const double bound = 0x1p-49 * a.size;
+    const bool is_known = magnitude(a.value) > bound || a.size == 0 || (a.value == 0 && is_on_lattice_);
+    return {a.value <= bound, is_in_range_ && is_known};
   }
 
  private:
@@ -81,7 +82,8 @@ class SizedNumbers {
 
 /// Returns on which features the closest points of two features are, as FeatureBits (contact_set.hpp) without its
 /// upper bits. `points` are the stencil's, v a b c or a0 a1 b0 b1, with any finite coordinates; `ids` are its
-/// vertices'. A polynomial whose rounded value is 0 counts as a tie.
+/// vertices'. A polynomial whose sign is not certain counts as 0: edges that are parallel but for rounding have a closest
+/// point at an end.
 template <class Kind>
 COLLIDED_HD FoundFeatures closest_features(const Vec3<double> (&points)[4], const uint32_t (&ids)[4]) {
   const SizedNumbers numbers(points);
