@@ -213,7 +213,7 @@ void CoveringJudge::expect_features(const Contact& contact, const Key& ordered, 
 
 /// Weights give the points of the features that are named, though others may be as near.
 void CoveringJudge::expect_points(const Contact& contact, const Between& pair, bool is_swapped,
-                                  const std::array<double, 2>& weights) const {
+                                  const std::array<double, 2>& weights, Accuracy accuracy) const {
   const auto [w0, w1] = weights;
   std::array<double, 4> of_stencil = {1, w0 + w1 - 1, -w0, -w1};
   if (contact.kind == QueryKind::kEdgeEdge) {
@@ -222,7 +222,8 @@ void CoveringJudge::expect_points(const Contact& contact, const Between& pair, b
     EXPECT_TRUE(first == 0 || w0 == first - 1) << "end " << first << ", weight " << w0;
     EXPECT_TRUE(second == 0 || w1 == second - 1) << "end " << second << ", weight " << w1;
   }
-  for (size_t k = 0; k < 3 && pair.gap; ++k) {
+  if (accuracy == Accuracy::kFast || !pair.gap) return;  // FAST guarantees nothing, and thin triangles show it
+  for (size_t k = 0; k < 3; ++k) {
     double between = 0;
     for (size_t i = 0; i < 4; ++i)
       between += of_stencil[i] * (positions_[contact.stencil[i]][k] - positions_[contact.stencil[3]][k]);
@@ -300,7 +301,7 @@ CoveringCounts CoveringJudge::expect(const FrameResult& found, Accuracy accuracy
       EXPECT_TRUE(bits == 0 || !pair.gap || pair.squared > 0) << "nothing is nearer than what touches";
       if (pair.gap && std::sqrt(pair.squared.get_d()) > kClearGap * extent_of(contact))
         expect_slopes(pair, bits, counts);
-      expect_points(contact, pair, is_swapped, set.weights[i]);
+      expect_points(contact, pair, is_swapped, set.weights[i], accuracy);
       EXPECT_EQ(is_covered, has_both && ((bits != 0 && !pair.meshes_cross) || is_same));
       ++pair.count;
       pair.kept += !is_covered;
