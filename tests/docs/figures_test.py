@@ -160,6 +160,15 @@ class Figures(unittest.TestCase):
         self.expect_rows("commit 32be86c ([file](results/updates", "updates/2026-11-23-h200-switches.json")
         self.expect_rows("commit eb3e53a", "updates/2026-11-23-cpu-switches.json")
 
+    def test_contacts_of_solvers(self):
+        runs = {run["name"]: run for run in result("updates/2026-11-30-h200-switches-contacts.json")["runs"]}
+        rows = FIGURES.table("commit 4b64ec30")[1:]
+        self.assertEqual(len(rows), 6)
+        for name, step, caller, contacts in rows:
+            self.expect(step, runs[name]["step_ms"], name)
+            self.expect(caller, runs[name]["caller_ms"], name)
+            self.assertEqual(contacts, f"{runs[name]['contacts']:,}")
+
     def expect_rows(self, after, path):
         rows, printed = FIGURES.table(after)[1:], words_of(path)
         self.assertGreater(len(rows), 10)
