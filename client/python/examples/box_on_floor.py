@@ -27,5 +27,6 @@ with collided.Session(meshes, mode="dcd", thickness=0.02, position_format="f64")
 kept = contacts.kept
 print(f"{len(contacts)} contacts with {len(np.unique(contacts.normals.round(3), axis=0))} directions")
 print(f"{len(kept)} kept: {np.unique(kept.normals.round(3) + 0.0, axis=0).tolist()}, {np.unique(kept.distance.round(6)).tolist()} m apart")
-for contact, place in zip(kept.vt, OnTriangle.of(kept.vt.features)):
+corners = kept.vt[kept.vt.elements[:, 0] >= len(meshes["floor"].vertices)]  # of the box; the others are the floor's
+for contact, place in zip(corners, OnTriangle.of(corners.features)):
     print("vertex {} above triangle {}: {}".format(*contact["elements"], OnTriangle(place).name.lower()))

@@ -16,6 +16,10 @@ from markdown import Page  # noqa: E402
 PACKAGE = REPOSITORY / "client" / "python"
 MESH = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 0.5\nv 1.25 1 9\nv 1 1.25 9\nf 1 2 3\nf 4 5 6\n"
 PRINTED = {
+    "box_on_floor": "399 contacts with 19 directions\n"
+                    "60 kept: [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], [0.005] m apart\n"
+                    + "".join(f"vertex {vertex} above triangle {triangle}: face\n"
+                              for vertex, triangle in ((289, 324), (291, 388), (293, 328), (295, 392))),
     "first_contact": "vertex 3 meets triangle 0 at t = 0.500000000, at [1. 1. 0.]\n",
     "line_search": "first contact at 0.350, went 0.25, contacts 0, height 0.5\n",
     "scene_batch": "".join(f"250 contacts in 250 worlds, from {first} to {first + 249}\n" for first in (0, 250, 500)),
