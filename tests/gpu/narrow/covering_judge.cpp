@@ -12,6 +12,8 @@ namespace {
 const mpq_class kShallow(1, 64 * 64), kSteep(1, 32 * 32);
 /// Of the extent of a contact's features: gaps that doubles know well.
 constexpr double kClearGap = 0x1p-20;
+/// The same of the points that weights give.
+constexpr double kRoundingOfPoints = 1e-4;
 
 int orientation(const ExactPoint& a, const ExactPoint& b, const ExactPoint& c, const ExactPoint& d) {
   const ExactPoint p = b - a, q = c - a, r = d - a;
@@ -209,6 +211,26 @@ void CoveringJudge::expect_features(const Contact& contact, const Key& ordered, 
       << "features " << int{features} << ", not " << int{truth.features};
 }
 
+/// Weights give the points of the features that are named, though others may be as near.
+void CoveringJudge::expect_points(const Contact& contact, const Between& pair, bool is_swapped,
+                                  const std::array<double, 2>& weights, Accuracy accuracy) const {
+  const auto [w0, w1] = weights;
+  std::array<double, 4> of_stencil = {1, w0 + w1 - 1, -w0, -w1};
+  if (contact.kind == QueryKind::kEdgeEdge) {
+    of_stencil = {1 - w0, w0, w1 - 1, -w1};
+    const int first = contact.features & kOfFirstEdge, second = (contact.features & kOfSecondEdge) / 4;
+    EXPECT_TRUE(first == 0 || w0 == first - 1) << "end " << first << ", weight " << w0;
+    EXPECT_TRUE(second == 0 || w1 == second - 1) << "end " << second << ", weight " << w1;
+  }
+  if (accuracy == Accuracy::kFast || !pair.gap) return;  // FAST guarantees nothing, and thin triangles show it
+  for (size_t k = 0; k < 3; ++k) {
+    double between = 0;
+    for (size_t i = 0; i < 4; ++i)
+      between += of_stencil[i] * (positions_[contact.stencil[i]][k] - positions_[contact.stencil[3]][k]);
+    EXPECT_NEAR(between, (is_swapped ? -1 : 1) * (*pair.gap)[k].get_d(), kRoundingOfPoints * extent_of(contact)) << k;
+  }
+}
+
 void CoveringJudge::expect_slopes(const Between& pair, uint8_t bits, CoveringCounts& counts) const {
   for (const int side : {0, 1}) {
     const bool is_set = (bits >> side & 1) != 0;
@@ -279,6 +301,7 @@ CoveringCounts CoveringJudge::expect(const FrameResult& found, Accuracy accuracy
       EXPECT_TRUE(bits == 0 || !pair.gap || pair.squared > 0) << "nothing is nearer than what touches";
       if (pair.gap && std::sqrt(pair.squared.get_d()) > kClearGap * extent_of(contact))
         expect_slopes(pair, bits, counts);
+      expect_points(contact, pair, is_swapped, set.weights[i], accuracy);
       EXPECT_EQ(is_covered, has_both && ((bits != 0 && !pair.meshes_cross) || is_same));
       ++pair.count;
       pair.kept += !is_covered;

@@ -72,6 +72,8 @@ class CoveringJudge {
   void expect_features(const Contact& contact, const Key& ordered, Accuracy accuracy, CoveringCounts& counts);
   void expect_slopes(const Between& pair, uint8_t bits, CoveringCounts& counts) const;
   void expect_nearer_contacts(CoveringCounts& counts) const;
+  void expect_points(const Contact& contact, const Between& pair, bool is_swapped, const std::array<double, 2>& weights,
+                     Accuracy accuracy) const;
   double extent_of(const Contact& contact) const;
   std::vector<ExactPoint> directions_into(const Feature& feature) const;
   void expect_normal(const std::array<Feature, 2>& touching, const Normal& normal, CoveringCounts& counts) const;
