@@ -156,7 +156,7 @@ bool share_a_direction(const Triangle& a, const Triangle& b) {
 TEST(ExactTriangles, NeighboursAgreeWithTheOtherWayOnALattice) {
   Lattice point;
   size_t meeting = 0, flat = 0;
-  for (int n = 0; n < 16000; ++n) {
+  for (int n = 0; n < 12000; ++n) {
     const int size = 1 + n % 4;
     const Triangle a{point(size), point(size), point(size)}, b{a[0], point(size), point(size)};
     const bool have_area = has_area(a) && has_area(b);
@@ -168,8 +168,8 @@ TEST(ExactTriangles, NeighboursAgreeWithTheOtherWayOnALattice) {
     meeting += expected, flat += !have_area;
   }
   EXPECT_GT(meeting, 2000u);
-  EXPECT_GT(flat, 1000u);
-  std::printf("16,000 pairs of neighbours: 0 disagree, %zu meet, %zu with a triangle without area\n", meeting, flat);
+  EXPECT_GT(flat, 500u);
+  std::printf("12,000 pairs of neighbours: 0 disagree, %zu meet, %zu with a triangle without area\n", meeting, flat);
 }
 
 TEST(ExactProximity, AgreesWithTheOtherWayOnALattice) {
