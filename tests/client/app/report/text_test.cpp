@@ -91,8 +91,9 @@ TEST(FeatureWords, TellTheClosestFeaturesAndWhatCoversThem) {
 
 TEST(Covered, AreCountedAndLeftOutWithAllColumns) {
   client::FrameOutput output;
-  output.vertex_triangle = {
-      .count = 3, .elements = {{1, 0}, {2, 0}, {3, 0}}, .flags = {1, 1 | v1::CONTACT_FLAG_COVERED, 1}};
+  output.vertex_triangle.count = 3;
+  output.vertex_triangle.elements = {{1, 0}, {2, 0}, {3, 0}};
+  output.vertex_triangle.flags = {1, 1 | v1::CONTACT_FLAG_COVERED, 1};
   EXPECT_FALSE(count_covered(output));
   output.vertex_triangle.features = {4, 5, 6};
   EXPECT_EQ(count_covered(output), 1u);
