@@ -65,10 +65,11 @@ test("an edge goes through a neighbour", async () => {
   };
   const scene = await used.client.createScene(folded);
   const positions = Float64Array.of(0, 0, 0, 4, 0, 0, 0, 4, 0, 2, 1, -1, 2, 1.5, 2);
-  const { edgeTriangle, done } = await used.client.detect(scene, { frameId: 1, updates: [{ mesh: 0, positions }] });
+  const { edgeTriangle, triangleTriangle, done } = await used.client.detect(scene, { frameId: 1, updates: [{ mesh: 0, positions }] });
   assert.deepEqual([[...edgeTriangle.elements], [...edgeTriangle.flags]], [[5, 0], [ContactFlag.CERTIFIED]]);
   assert(Math.abs(edgeTriangle.weights[0] - 1 / 2) < 1e-12 && Math.abs(edgeTriangle.weights[1] - 7 / 24) < 1e-12);
-  assert.equal(done.contactCount, 1n);
+  assert.deepEqual([...triangleTriangle.elements], [0, 1]);
+  assert.equal(done.contactCount, 2n);
   await used.client.deleteScene(scene);
   const moving = { ...folded, mode: DetectionMode.CCD, kinds: [VERTEX_TRIANGLE, EDGE_EDGE, EDGE_TRIANGLE] };
   await refused(() => used.client.createScene(moving), Code.INVALID_ARGUMENT, "spec.kinds[2]", /EDGE_TRIANGLE/);
