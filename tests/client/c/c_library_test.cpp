@@ -110,7 +110,9 @@ TEST_F(CLibrary, StructuresKeepTheirLayout) {
   EXPECT_EQ(offsetof(collided_frame, room_bytes), 96u);
   EXPECT_EQ(offsetof(collided_frame, advance_mode), 104u);
   EXPECT_EQ(offsetof(collided_frame, limits), 108u);
-  EXPECT_EQ(sizeof(collided_contacts), 72u);
+  EXPECT_EQ(sizeof(collided_contacts), 80u);
+  EXPECT_EQ(offsetof(collided_contacts, flags), 64u);
+  EXPECT_EQ(offsetof(collided_contacts, features), 72u);
   EXPECT_EQ(sizeof(collided_facts), 240u);
   EXPECT_EQ(offsetof(collided_facts, edge_triangle_contacts), 232u);
   EXPECT_EQ(offsetof(collided_facts, contacts), 176u);
