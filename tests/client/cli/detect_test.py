@@ -563,7 +563,7 @@ class Detect(support.CollidectlTest):
         out, vtp, ply = (os.path.join(self.folder.name, "c." + ending) for ending in ("csv", "vtp", "ply"))
         words = ["detect", floor, spike, *ONE_CPU, "--thickness", "0.02", "--json"]
         files = ["--kinds", "vt,ee", "--out", out, "--vtp", vtp, "--ply", ply]
-        self.assertNotIn("covered_count", json.loads(self.ok(*words)))
+        self.assertEqual(json.loads(self.ok(*words))["covered_count"], 3)
         every = json.loads(self.ok(*words, *files))
         self.assertEqual((every["contact_count"], every["covered_count"], every["touching"][0]["contact_count"]), (4, 3, 4))
         rows = self.rows(out)
