@@ -229,6 +229,21 @@ TEST_P(ClosestFeatures, TurnedLattices) {
   EXPECT_GT(count.wrong_in_doubles, 50);
 }
 
+/// What differences of a lattice's points leave out decides ties.
+TEST_P(ClosestFeatures, RoundedDifferences) {
+  Count count;
+  const int n = 6000;
+  for (int i = 0; i < n; ++i) {
+    Stencil c = cases_.of_lattice(3);
+    const size_t moved = static_cast<size_t>(i) % 4;
+    for (double* x : {&c.p[moved].x, &c.p[moved].y, &c.p[moved].z})
+      if (*x == 0) *x = cases_.integer(-1, 1) * 0x1p-60;
+    expect_truth(c, count);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(count.wrong_in_doubles, 50);
+}
+
 /// The least and the largest numbers; differences that vanish beside others.
 TEST_P(ClosestFeatures, ExtremeNumbers) {
   const std::array<double, 9> values = {0, 0x1p-1074, -0x1p-1074, 0x1p-1022, 1e-200, -1, 1 + 0x1p-52, 1e150, -1e300};
