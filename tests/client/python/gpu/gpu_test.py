@@ -84,7 +84,7 @@ class DeviceDaemon:
 
     def placed(self, contacts, at):
         chunk = contact_pb2.ContactChunk(kind=1, count=len(contacts))
-        for name in COLUMNS:
+        for name in filter(contacts.has_column, COLUMNS):
             data = np.ascontiguousarray(getattr(contacts, name)).tobytes()
             ctypes.memmove(self.memory + at, data, len(data))
             place = getattr(chunk.shared, name)
