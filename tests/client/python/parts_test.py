@@ -27,6 +27,9 @@ class OnTwoDevices(Case):
         return {name: device.max_bytes - device.free_bytes for name, device in self.devices().items()}
 
 
+FIELDS = tuple(field for field in collided.options.FIELDS if field != "features")  # which parts do not tell
+
+
 class Answers(OnTwoDevices):
     def both(self, what, part_devices, **options):
         """A session on one device and one in parts, to which the same happens."""
@@ -53,7 +56,7 @@ class Answers(OnTwoDevices):
         start = sheet(8, 0.06)[0]
         for transport in TRANSPORTS:
             with self.subTest(transport):
-                sessions = self.both(scene, BOTH, mode="dcd", thickness=0.03, kinds=("vt", "ee", "tt"), transport=transport)
+                sessions = self.both(scene, BOTH, mode="dcd", thickness=0.03, kinds=("vt", "ee", "tt"), fields=FIELDS, transport=transport)
                 answers = [[session.step({"cloth": (start - [0, 0, 0.01 * step]).astype("<f4"),
                                           "ball": collided.Rigid(pose(step))}) for step in range(1, 8)]
                            for session in sessions]
