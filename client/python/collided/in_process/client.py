@@ -61,13 +61,17 @@ class LocalClient(Client):
     def create_scene(self, layout: Layout, options: SceneOptions, lease_seconds: float,
                      tries: int = 1) -> scene_pb2.Scene:
         check_seconds(lease_seconds, "lease_seconds")
-        spec = full_spec(layout, options)
+        spec = self._known_spec(layout, options)
         engine = EngineScene(self._library, spec, layout)
         message = scene_pb2.Scene(scene_id=f"local-{next(_ids)}", spec=spec, state=scene_pb2.SCENE_STATE_READY,
                                   triangle_count=sum(len(mesh.triangles) for _, mesh in layout.present()),
                                   lease_seconds=math.inf)
         self._scenes[message.scene_id] = engine, message
         return self.get_scene(message.scene_id)
+
+    def _known_spec(self, layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:
+        """The engine knows all fields of contacts."""
+        return full_spec(layout, options)
 
     def create_scenes(self, layout: Layout, options: SceneOptions, count: int, lease_seconds: float) -> scene_pb2.Scene:
         raise _unimplemented("a set of scenes")
