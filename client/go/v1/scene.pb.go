@@ -930,7 +930,7 @@ type SceneSpec struct {
 	ExpectedContacts uint64 `protobuf:"varint,22,opt,name=expected_contacts,json=expectedContacts,proto3" json:"expected_contacts,omitempty"`
 	// Ids of the devices that the scene is to be spread over, such as "cuda:0" and "cuda:1": a part of it on each, up to 64,
 	// up to 4 on one device. Each is one of GetServerInfoResponse.devices, all of one backend, that of `backend` if one is
-	// named; `device` is empty then. Contacts are the same. Each part holds all meshes and positions and finds the contacts of some
+	// named; `device` is empty then. Contacts are the same, without `features`. Each part holds all meshes and positions and finds the contacts of some
 	// regions of space, which pays only in large scenes. The budget and the client's limits are for all parts together. Refused with
 	// INVALID_ARGUMENT for a set (CreateScenes) and with REUSE_ON, with FAILED_PRECONDITION for a device that the daemon
 	// does not serve; streams of such a scene take no device memory. Empty: the scene is on one device.
