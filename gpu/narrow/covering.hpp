@@ -117,8 +117,9 @@ struct OrderedContacts {
 };
 
 /// Puts the closest points, by their weights, on the features that are named: parallel edges have others as near.
-COLLIDED_HD inline void place_points(const VertexTriangle&, const Vec3<double> (&)[4], uint8_t, double*) {}
-COLLIDED_HD inline void place_points(const EdgeEdge&, const Vec3<double> (&p)[4], uint8_t bits, double* weights) {
+COLLIDED_HD inline void place_points(const VertexTriangle&, const FourPoints&, uint8_t, double*) {}
+COLLIDED_HD inline void place_points(const EdgeEdge&, const FourPoints& points, uint8_t bits, double* weights) {
+  const auto& p = points.p;
   const int first = bits & kOfFirstEdge, second = (bits & kOfSecondEdge) / 4;  // 0: inside, else the end
   const bool is_there = (first == 0 || weights[0] == first - 1) && (second == 0 || weights[1] == second - 1);
   if (is_there) return;
@@ -126,46 +127,49 @@ COLLIDED_HD inline void place_points(const EdgeEdge&, const Vec3<double> (&p)[4]
   weights[1] = second > 0 ? second - 1 : closest_on_edge(first == 1 ? p[0] : p[1], p[2], p[3] - p[2]);
 }
 
-/// Tells the features of each contact, and whether surfaces come nearer beside them; gives it the key that another one
-/// may have, too. Slots become free.
+/// Finds the features of each contact.
 template <class Real>
-struct TellFeatures {
+struct FindFeatures {
+  OrderedContacts contacts;
+  Surfaces<Real> surfaces;
+  uint64_t* open;  ///< counts those that exact arithmetic has to tell; null: double precision tells
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    contacts.use_features(i, [&]<class Kind>(const Kind& kind, uint64_t key) {
+      const Stencil s = kind.stencil(key);
+      const FoundFeatures found = closest_features<Kind>(surfaces.points_of(s).p, s.v);
+      const bool is_open = open != nullptr && !found.is_certain;
+      if (is_open) atomic_add(*open, uint64_t{1});
+      contacts.columns.features[i] = static_cast<uint8_t>(found.features | (is_open ? kFeaturesOpen : 0));
+    });
+  }
+};
+
+/// Says whether surfaces come nearer beside the features of each contact, and gives it the key that another one may
+/// have, too. Slots become free.
+template <class Real>
+struct KeyContacts {
   OrderedContacts contacts;
   Surfaces<Real> surfaces;
   Span<uint64_t> keys;
   Span<uint32_t> slots;
-  bool are_known;  ///< contacts have their features
-  uint64_t* open;  ///< counts those that exact arithmetic has to tell; null: double precision tells
 
   COLLIDED_HD void operator()(uint64_t i) const {
     const uint64_t count = contacts.count.size(), all = FirstPlaces::slots_for(count);
     for (uint64_t slot = i; slot < all; slot += count) slots[slot] = FirstPlaces::kNone;
     keys[i] = kNoKey;
-    contacts.use_features(i, [&](const auto& kind, uint64_t key) { tell(kind, key, i); });
+    contacts.use_features(i, [&](const auto& kind, uint64_t key) {
+      const Stencil s = kind.stencil(key);
+      uint8_t& features = contacts.columns.features[i];
+      const uint8_t bits = features & (kOfTriangle | kOfFirstEdge | kOfSecondEdge | kFeaturesOpen);
+      features = static_cast<uint8_t>(bits | surfaces.nearer_beside(named_features(kind, s, bits)));
+      keys[i] = contacts.key_of_features(kind, key, bits);
+      if (!contacts.columns.weights.empty())
+        place_points(kind, surfaces.points_of(s), bits, reinterpret_cast<double*>(contacts.columns.weights.data + i));
+    });
     if (contacts.is_sure_crossing(i))
       keys[i] = contacts.key_of_meshes(contacts.edges[first_id(contacts.key_of(i))].from,
                                        contacts.corners[second_id(contacts.key_of(i))].x);
-  }
-
- private:
-  template <class Kind>
-  COLLIDED_HD void tell(const Kind& kind, uint64_t key, uint64_t i) const {
-    const Stencil s = kind.stencil(key);
-    const Vec3<double> points[4] = {surfaces.at(s.v[0]), surfaces.at(s.v[1]), surfaces.at(s.v[2]), surfaces.at(s.v[3])};
-    uint8_t& features = contacts.columns.features[i];
-    const uint8_t bits =
-        are_known ? features & (kOfTriangle | kOfFirstEdge | kOfSecondEdge) : found_features<Kind>(points, s);
-    features = static_cast<uint8_t>(bits | surfaces.nearer_beside(named_features(kind, s, bits)));
-    keys[i] = contacts.key_of_features(kind, key, bits);
-    if (!contacts.columns.weights.empty())
-      place_points(kind, points, bits, reinterpret_cast<double*>(contacts.columns.weights.data + i));
-  }
-  template <class Kind>
-  COLLIDED_HD uint8_t found_features(const Vec3<double> (&points)[4], const Stencil& s) const {
-    const FoundFeatures found = closest_features<Kind>(points, s.v);
-    if (open == nullptr || found.is_certain) return found.features;
-    atomic_add(*open, uint64_t{1});
-    return found.features | kFeaturesOpen;
   }
 };
 

@@ -67,6 +67,10 @@ COLLIDED_HD inline uint32_t third_corner(const Vec3<uint32_t>& t, uint32_t v, ui
   return t.y == t.z ? w : t.x ^ t.y ^ t.z ^ v ^ w;
 }
 
+struct FourPoints {
+  Vec3<double> p[4];
+};
+
 /// The surfaces of a scene in one frame.
 template <class Real>
 struct Surfaces {
@@ -77,6 +81,9 @@ struct Surfaces {
   Fans fans;
 
   COLLIDED_HD Vec3<double> at(uint32_t v) const { return convert<double>(positions[v]); }
+  COLLIDED_HD FourPoints points_of(const Stencil& s) const {
+    return {{at(s.v[0]), at(s.v[1]), at(s.v[2]), at(s.v[3])}};
+  }
   COLLIDED_HD Vec3<double> along(uint32_t from, uint32_t to) const { return brought_near_1(at(to) - at(from)); }
 
   /// How many elements are looked at for those with this corner or side.

@@ -263,6 +263,7 @@ struct WorkBuffers {
         inflations(exec, "records"),
         state(exec, "counters"),
         triangle_pairs(exec, "pairs"),
+        edge_tests(exec, "pairs"),
         candidates(make_per_kind<CandidateBuffers<Exec>>(exec)),
         blocking(make_per_kind<BlockingPairs<Exec>>(exec)),
         ways(exec),
@@ -288,6 +289,7 @@ struct WorkBuffers {
   Buffer<Real, Exec> inflations;   ///< of each triangle's boxes; scenes with meshes that may turn or are thick
   Buffer<StepState, Exec> state;
   Buffer<uint64_t, Exec> triangle_pairs;                         ///< of one kind after the other
+  Buffer<uint64_t, Exec> edge_tests;                             ///< PackedEdges; frames that test crossings
   std::array<CandidateBuffers<Exec>, kFeatureKinds> candidates;  ///< of each kind
   std::array<BlockingPairs<Exec>, kFeatureKinds> blocking;       ///< likewise; frames that advance
   FractionBuffers<Exec> ways;                                    ///< frames that advance

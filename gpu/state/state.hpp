@@ -46,7 +46,7 @@ struct StepState {
   uint64_t large, bricks[kMaxRounds], brick_items[kMaxRounds];
   uint64_t pairs, candidates[kFeatureKinds], kept[kFeatureKinds], screened[kFeatureKinds], resumable[kFeatureKinds];
   uint64_t near_misses[kFeatureKinds];  ///< pairs that a contact's time is sought for once more
-  uint64_t triangle_pairs, crossing_pairs, contacts, earliest, crowded_ranks;
+  uint64_t triangle_pairs, crossing_pairs, edge_tests, contacts, earliest, crowded_ranks;
   KindBegins kinds;  ///< in the sorted list
 
   uint64_t neighbours[kFeatureKinds];  ///< that the step listed

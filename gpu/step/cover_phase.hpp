@@ -21,9 +21,12 @@ class CoverPhase {
   void run(const LevelNeeds& needs, bool are_known = false) {
     const OrderedContacts contacts = this->contacts(needs);
     const FirstPlaces first{scene_.pair_keys.all(), scene_.pair_slots.all()};
-    exec_.for_each("tell_features", contacts.count,
-                   TellFeatures<Real>{contacts, scene_.surfaces(), scene_.pair_keys.all(), scene_.pair_slots.all(),
-                                      are_known, needs.is_exact() ? &scene_.state.data()->open_features : nullptr});
+    if (!are_known)
+      exec_.for_each("find_features", contacts.count,
+                     FindFeatures<Real>{contacts, scene_.surfaces(),
+                                        needs.is_exact() ? &scene_.state.data()->open_features : nullptr});
+    exec_.for_each("key_contacts", contacts.count,
+                   KeyContacts<Real>{contacts, scene_.surfaces(), scene_.pair_keys.all(), scene_.pair_slots.all()});
     exec_.for_each("list_first_places", contacts.count, ListFirstPlaces{contacts.count, first});
     exec_.for_each("mark_covered", contacts.count,
                    MarkCovered{contacts, first, needs.kinds.vertex_triangle && needs.kinds.edge_edge});

@@ -21,42 +21,51 @@ struct CrossingPairSink : TrianglePairSink {
   }
 };
 
-/// Tests the edges that each triangle of a pair owns with the other triangle. Signs in float rule most of them out.
+COLLIDED_HD inline uint32_t corner_at(const Triangle& t, int k) { return k == 0 ? t.x : k == 1 ? t.y : t.z; }
+
+/// A pair of triangles by its place in a list, with one bit for each edge of both that may go through the other one.
+struct PackedEdges {
+  uint64_t pair;
+  uint32_t of_first, of_second;
+
+  COLLIDED_HD uint64_t packed() const { return pair << 6 | of_second << 3 | of_first; }
+  COLLIDED_HD static PackedEdges unpacked(uint64_t packed) {
+    return {packed >> 6, static_cast<uint32_t>(packed & 7u), static_cast<uint32_t>(packed >> 3 & 7u)};
+  }
+};
+
+/// Lists the edges that each triangle of a pair owns, and that signs in float do not rule out. A GPU runs many more
+/// threads of this than of what is left to do.
 template <class Real>
-struct TestCrossings {
+struct RuleOutCrossings {
   const Vec3<Real>* positions;
-  WorldTable<Triangle> corners, sides;
+  WorldTable<Triangle> corners;
   Span<const uint8_t> owned;  ///< as in ElementaryTests
   VertexRings rings;
   Span<const uint64_t> pairs;
-  ContactSink<Real> contacts;
+  EarlyExit early_exit;
+  AppendList<uint64_t> left;  ///< PackedEdges
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    if (contacts.early_exit.is_over()) return;
+    if (early_exit.is_over()) return;
     const uint32_t a = first_id(pairs[i]), b = second_id(pairs[i]);
     const Triangle p = corners[a], q = corners[b];
-    uint32_t of_p = edges_of(a, p, q), of_q = edges_of(b, q, p);
-    if ((of_p | of_q) == 0) return;
+    PackedEdges edges{i, edges_of(a, p, q), edges_of(b, q, p)};
+    if ((edges.of_first | edges.of_second) == 0) return;
     TriangleDifferences<float> rough;
     if (load_differences(p, q, positions, rough)) {
-      of_p = EdgesFromTriangle<float, false>(rough).left_of(of_p);
-      of_q = EdgesFromTriangle<float, true>(rough).left_of(of_q);
+      edges.of_first = EdgesFromTriangle<float, false>(rough).left_of(edges.of_first);
+      edges.of_second = EdgesFromTriangle<float, true>(rough).left_of(edges.of_second);
     }
-    if ((of_p | of_q) != 0) look_closely(a, of_p, b, of_q);
+    if ((edges.of_first | edges.of_second) != 0) left.push(edges.packed());
   }
 
  private:
-  COLLIDED_HD COLLIDED_CALLED void look_closely(uint32_t a, uint32_t of_a, uint32_t b, uint32_t of_b) const {
-    TriangleDifferences<double> pair;
-    if (!load_differences(corners[a], corners[b], positions, pair)) pair = {};  // all in one place: nothing is certain
-    if (of_a != 0) test(of_a, EdgesFromTriangle<double, false>(pair), a, b);
-    if (of_b != 0) test(of_b, EdgesFromTriangle<double, true>(pair), b, a);
-  }
   /// One bit for each edge of `element` that it owns and that may go through the triangle.
   COLLIDED_HD uint32_t edges_of(uint32_t element, const Triangle& ids, const Triangle& triangle) const {
     uint32_t edges = is_loose(triangle) ? 0 : owned[element] >> 3 & 7u;
     for (int k = 0; k < 3; ++k) {
-      const uint32_t v = at(ids, k);
+      const uint32_t v = corner_at(ids, k);
       if (is_left_out(v, triangle)) edges &= ~(1u << k | 1u << (k + 2) % 3);
     }
     return edges;
@@ -65,6 +74,28 @@ struct TestCrossings {
     const bool is_corner = vertex == triangle.x || vertex == triangle.y || vertex == triangle.z;
     return is_corner || (rings.is_needed() && rings.connect(vertex, triangle));
   }
+};
+
+/// Tests these edges.
+template <class Real>
+struct TestCrossings {
+  const Vec3<Real>* positions;
+  WorldTable<Triangle> corners, sides;
+  Span<const uint64_t> pairs;
+  Span<const uint64_t> left;  ///< PackedEdges
+  ContactSink<Real> contacts;
+
+  COLLIDED_HD void operator()(uint64_t i) const {
+    if (contacts.early_exit.is_over()) return;
+    const PackedEdges edges = PackedEdges::unpacked(left[i]);
+    const uint32_t a = first_id(pairs[edges.pair]), b = second_id(pairs[edges.pair]);
+    TriangleDifferences<double> pair;
+    if (!load_differences(corners[a], corners[b], positions, pair)) pair = {};  // all in one place: nothing is certain
+    if (edges.of_first != 0) test(edges.of_first, EdgesFromTriangle<double, false>(pair), a, b);
+    if (edges.of_second != 0) test(edges.of_second, EdgesFromTriangle<double, true>(pair), b, a);
+  }
+
+ private:
   template <class Edges>
   COLLIDED_HD void test(uint32_t which, const Edges& edges, uint32_t element, uint32_t triangle) const {
     for_each_corner([&](int k) {
@@ -73,15 +104,15 @@ struct TestCrossings {
     });
   }
   COLLIDED_HD void report(uint32_t element, int k, uint32_t triangle, bool is_sure) const {
-    const uint64_t key = pack_ids(at(sides[element], k), triangle);
+    const uint64_t key = pack_ids(corner_at(sides[element], k), triangle);
     if (!is_sure) return contacts.report(key, {0, Real(0), Real(0), Real(0), kFlagNear});
     const Triangle p = corners[element], t = corners[triangle];
     double weights[2];
-    find_weights({point(at(p, k)), point(at(p, (k + 1) % 3))}, {point(t.x), point(t.y), point(t.z)}, weights);
+    find_weights({point(corner_at(p, k)), point(corner_at(p, (k + 1) % 3))}, {point(t.x), point(t.y), point(t.z)},
+                 weights);
     contacts.report(key, {0, Real(0), static_cast<Real>(weights[0]), static_cast<Real>(weights[1]), kFlagCertified});
   }
   COLLIDED_HD Vec3<double> point(uint32_t vertex) const { return convert<double>(positions[vertex]); }
-  COLLIDED_HD static uint32_t at(const Triangle& t, int k) { return k == 0 ? t.x : k == 1 ? t.y : t.z; }
 };
 
 }  // namespace collided

@@ -55,6 +55,7 @@ class NarrowPhase {
     if (needs().columns().has(ContactField::kNormals)) scene_.normals.allocate(most);
     if (needs().tests_triangles() || needs().tests_crossings())
       begin_list(scene_.triangle_pairs, first, expected[ListLengths::kTrianglePairs]);
+    reserve_edge_tests();
     if (!needs().has_narrow_phase()) return;
     for_each_kind(
         [&](ContactKind kind, bool is_wanted) {
@@ -78,6 +79,7 @@ class NarrowPhase {
       check(scene_.blocking[kind].pairs, need.blocking[kind]);
     }
     check(scene_.triangle_pairs, max(need.triangle_pairs, need.crossing_pairs));
+    reserve_edge_tests();
     const auto check_contacts = [&](ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t kept_of_them) {
       if (count <= contacts.keys.capacity()) return;
       short_of_room = true;
@@ -114,10 +116,15 @@ class NarrowPhase {
   /// Edges that go through triangles. The sure ones of them are contacts already, the host decides the others.
   void detect_crossings() {
     exec_.stage("narrow_et", [&] {
-      exec_.for_each("test_crossings", counted(pairs_of_triangles(ContactKind::kEdgeTriangle)),
-                     TestCrossings<Real>{scene_.end.data(), scene_.topology.corners(), scene_.topology.sides(),
-                                         scene_.topology.owned.all(), scene_.topology.rings(),
-                                         scene_.triangle_pairs.all(), sink(ContactKind::kEdgeTriangle)});
+      const ResidentTopology<Exec>& topology = scene_.topology;
+      const AppendList<uint64_t> left{scene_.edge_tests.all(), &scene_.state.data()->edge_tests};
+      const Span<const uint64_t> pairs = scene_.triangle_pairs.all();
+      exec_.for_each("rule_out_crossings", counted(pairs_of_triangles(ContactKind::kEdgeTriangle)),
+                     RuleOutCrossings<Real>{scene_.end.data(), topology.corners(), topology.owned.all(),
+                                            topology.rings(), pairs, early_exit(ContactKind::kEdgeTriangle), left});
+      exec_.for_each("test_crossings", counted(left),
+                     TestCrossings<Real>{scene_.end.data(), topology.corners(), topology.sides(), pairs, left.items,
+                                         sink(ContactKind::kEdgeTriangle)});
     });
   }
 
@@ -163,6 +170,7 @@ class NarrowPhase {
   /// Empties the list of a kind and makes it larger, before a new search.
   void make_room(ContactKind kind, uint64_t count) {
     (is_of_features(kind) ? candidates_of(kind).kept : scene_.triangle_pairs).ensure(count);
+    reserve_edge_tests();
   }
   EarlyExit early_exit(ContactKind kind) const {
     const bool is_settled = needs().is_exact() || kind == ContactKind::kEdgeTriangle;
@@ -195,6 +203,11 @@ class NarrowPhase {
   void reserve(ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t expected = 0) {
     contacts.keys.allocate(max(count, ListLengths::with_reserve(expected)));
     if (needs().has_data()) contacts.data.allocate(contacts.keys.capacity());
+  }
+
+  /// For as many as there may be pairs.
+  void reserve_edge_tests() {
+    if (needs().tests_crossings()) scene_.edge_tests.ensure(scene_.triangle_pairs.capacity());
   }
 
   void enlarge(ContactBuffers<Exec, Real>& contacts, uint64_t count, uint64_t kept) {
