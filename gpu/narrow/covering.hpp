@@ -1,10 +1,10 @@
 #pragma once
-// Which contacts of a frame are covered: the surface beside their points comes clearly nearer, or an earlier contact
-// has the same two features. What is left has each local minimum of the distance once. Contacts are looked at in their
-// order, as columns.
+// Marks the contacts of a frame that others cover: a surface comes clearly nearer beside their closest points, or an
+// earlier contact is between the same two features. The rest has each local minimum of the distance once. It works on
+// columns in the order of the answer.
 //
-// Where two meshes cross, the minimum is where they do, which is neither a vertex and a triangle nor two edges: a
-// surface that comes nearer covers nothing there. One crossing that is not a mere touch tells that two meshes cross.
+// Two meshes that cross have their minimum at the crossing, and no contact of features lies there. So a surface that
+// comes nearer covers nothing of theirs. One crossing that is more than a touch tells that they cross.
 
 #include "gpu/base/deviations.hpp"
 #include "gpu/base/key_set.hpp"

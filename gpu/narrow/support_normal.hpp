@@ -1,13 +1,13 @@
 #pragma once
-// Normals of features that touch in one frame, from the surfaces that they are of. The formula of normal.hpp sees two
-// features alone: of boxes that lie flush, an edge of one and an edge of the other may have any common normal.
+// Finds the normal of two features that touch in one frame from the surfaces around them. The formula of normal.hpp
+// knows the two features alone: where boxes lie flush, an edge of each may have any common normal.
 //
-// n supports both surfaces at a contact if n.d >= 0 for all directions d into the first and n.d <= 0 for all into the
-// second, but for a slack. Asked are the normals of the second's triangles there, in the order of their ids, those of
-// the first's, then the common normals of any two directions, of one surface or of both; the first that supports both
-// is the contact's. Directions into a surface: at a corner its sides, on a side both ways along it and to the opposite
-// corners of its triangles, on a face along two sides of the triangle, both ways. Points count as on the corner or side
-// that is within `clear` (normal.hpp): rounding puts them beside it.
+// A normal n supports both surfaces if n.d >= 0 for all directions d into the first surface, and n.d <= 0 for all into
+// the second, each to within a slack. The first candidate that does so is the contact's normal. Candidates are the
+// normals of the second's triangles at the contact, in the order of their ids; then those of the first's; then the
+// common normals of any two directions. At a corner, directions go along its sides; on a side, both ways along it and
+// to the opposite corners of its triangles; on a face, both ways along two of its sides. A point is taken to lie on a
+// corner or side that it is within `clear` of (normal.hpp), because rounding may put it beside.
 
 #include "gpu/narrow/near_miss.hpp"
 #include "gpu/narrow/surfaces.hpp"

@@ -1,5 +1,5 @@
-// Which features the closest points of contacts are on, in scenes: which frames tell them, and that they are the same
-// whatever a scene is made of besides. What they are, and which contacts are covered, covering_test.cpp judges.
+// Tests which frames tell the features that closest points are on, and that these do not depend on threads, engines or
+// other options. covering_test.cpp judges what they are, and which contacts are covered.
 
 #include <algorithm>
 
@@ -116,7 +116,8 @@ TEST_F(Features, ScenesThatDoNotAskHaveNothingOfThem) {
     EXPECT_TRUE(same_contacts(with, without));
     const auto has_part = [](const Detector& detector) {
       const auto parts = detector.memory();
-      return std::any_of(parts.begin(), parts.end(), [](const MemoryPart& part) { return part.part == "fans" || part.part == "covering"; });
+      return std::any_of(parts.begin(), parts.end(),
+                         [](const MemoryPart& part) { return part.part == "fans" || part.part == "covering"; });
     };
     EXPECT_TRUE(has_part(*asking));
     EXPECT_FALSE(has_part(*silent));
