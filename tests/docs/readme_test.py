@@ -83,6 +83,26 @@ class Cpp(WithDaemon):
                                       "flat: 0 contacts\nfolded: many\n")
 
 
+TETRAHEDRON = """ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 4
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+0 0 1
+3 0 2 1
+3 0 1 3
+3 1 2 3
+3 2 0 3
+"""
+
+
 class CommandLines(WithDaemon):
     @classmethod
     def setUpClass(cls):
@@ -92,8 +112,8 @@ class CommandLines(WithDaemon):
                         "--out", frames], check=True, stdout=subprocess.DEVNULL, timeout=60)
         for name, frame in zip(("before", "after"), sorted(frames.glob("*.ply"))):
             shutil.copy(frame, cls.folder / f"{name}.ply")
-        for name in ("mesh.ply", "ball.ply"):
-            shutil.copy(cls.folder / "before.ply", cls.folder / name)
+        shutil.copy(cls.folder / "before.ply", cls.folder / "ball.ply")
+        (cls.folder / "mesh.ply").write_text(TETRAHEDRON)
         table = REPOSITORY / "tests" / "support" / "mesh_files" / "table.py"
         subprocess.run([sys.executable, table, cls.folder / "table"], check=True)
         for name, source in (("box.obj", "tent_lf.obj"), ("ball.stl", "cube.stl"), ("box.glb", "plain.glb")):
