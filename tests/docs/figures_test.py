@@ -162,7 +162,7 @@ class Figures(unittest.TestCase):
 
     def test_contacts_of_solvers(self):
         runs = {run["name"]: run for run in result("updates/2026-11-30-h200-switches-contacts.json")["runs"]}
-        rows = FIGURES.table("commit 4b64ec30")[1:]
+        rows = FIGURES.table("commit 1a2aa5b0")[1:]
         self.assertEqual(len(rows), 6)
         for name, step, caller, contacts in rows:
             self.expect(step, runs[name]["step_ms"], name)
