@@ -125,11 +125,11 @@ enum ContactFlags : uint8_t {
   kFlagTouching = 64
 };
 
-/// What the byte `features` of a contact says. On which features its closest points are: of a vertex and a triangle
-/// kOfTriangle has 0 for the triangle's face, 1 to 3 for the side opposite this corner, 4 to 6 for a corner; of two
-/// edges kOfFirstEdge and kOfSecondEdge have 0 for the inside of the edge, 1 and 2 for its ends. What covers it:
-/// kNearerAtFirst, kNearerAtSecond: the surface of the first or second feature's mesh comes clearly nearer beside the
-/// closest point; kSameAsBefore: an earlier contact, in the order of answers, has the same two features.
+/// Masks of a contact's `features`. kOfTriangle tells where the closest point of a triangle is: 0 on its face, 1 to 3
+/// on the side opposite this corner, 4 to 6 on a corner. kOfFirstEdge and kOfSecondEdge tell it of two edges: 0 inside,
+/// 1 and 2 at an end. kNearerAtFirst and kNearerAtSecond: beside the closest point, the surface of this feature's mesh
+/// comes clearly nearer. kSameAsBefore: an earlier contact, in the order of answers, is between the same features, as
+/// these bits name them.
 enum FeatureBits : uint8_t {
   kOfTriangle = 7,
   kOfFirstEdge = 3,

@@ -52,8 +52,8 @@ constexpr bool is_of_features(ContactKind kind) { return index_of(kind) < kFeatu
 /// Whether contacts of these kinds have edges.
 constexpr bool have_edges(const PerKind<bool>& kinds) { return kinds.edge_edge || kinds.edge_triangle; }
 
-/// Whether frames of DCD tell on which features the closest points of contacts are. Several devices, each of which
-/// knows a part of the contacts, cannot tell.
+/// Whether frames of DCD name the features that closest points are on. A scene on several devices names none, because
+/// each device knows a part of the contacts alone.
 inline bool tells_features(const SceneSpec& spec) {
   return spec.fields.has(ContactField::kFeatures) && spec.mode != Mode::kCcd && spec.part_devices.empty() &&
          (spec.kinds.vertex_triangle || spec.kinds.edge_edge);
