@@ -26,8 +26,8 @@ struct ExactAnswer {
 
 ExactAnswer decide_exactly(const ExactQuestion& question, const ExactPoints& points);
 
-/// A hit if the closed triangles have a point in common. With `has_common_corner` their first corners are one vertex, and
-/// they have to meet beyond it.
+/// A hit if the closed triangles have a point in common. With `has_common_corner` their first corners are one vertex,
+/// and they have to meet beyond it.
 ExactAnswer decide_triangles_exactly(const ExactTriangles& corners, bool has_common_corner);
 
 }  // namespace collided

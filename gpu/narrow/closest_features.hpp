@@ -82,8 +82,8 @@ class SizedNumbers {
 
 /// Returns on which features the closest points of two features are, as FeatureBits (contact_set.hpp) without its
 /// upper bits. `points` are the stencil's, v a b c or a0 a1 b0 b1, with any finite coordinates; `ids` are its
-/// vertices'. A polynomial whose sign is not certain counts as 0: edges that are parallel but for rounding have a closest
-/// point at an end.
+/// vertices'. A polynomial whose sign is not certain counts as 0: edges that are parallel but for rounding have a
+/// closest point at an end.
 template <class Kind>
 COLLIDED_HD FoundFeatures closest_features(const Vec3<double> (&points)[4], const uint32_t (&ids)[4]) {
   const SizedNumbers numbers(points);
