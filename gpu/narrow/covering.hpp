@@ -32,6 +32,8 @@ struct FirstPlaces {
     while (count < 2 * contacts) count *= 2;
     return count;
   }
+  /// Of so many contacts alone, whose slots are the first ones.
+  COLLIDED_HD FirstPlaces of(uint64_t contacts) const { return {keys, {slots.data, slots_for(contacts)}}; }
   COLLIDED_HD void add(uint32_t place) const {
     const uint64_t key = keys[place], last = slots.size() - 1;
     for (uint64_t slot = mixed_key(key) & last;; slot = (slot + 1) & last) {
@@ -52,12 +54,13 @@ struct OrderedContacts {
   ContactColumns columns;
   Counted count;
   const KindBegins* kinds;
-  FeatureKinds features;
-  WorldTable<EdgePair> edges;
-  WorldTable<Vec3<uint32_t>> corners, sides;
+  FeatureKinds features;  ///< with the tables of all edges and elements
+  WorldTable<Vec3<uint32_t>> sides;
   MeshesOfVertices meshes;
   uint64_t vertices;  ///< of the scene
 
+  COLLIDED_HD const WorldTable<EdgePair>& edges() const { return features.edge_edge.edges; }
+  COLLIDED_HD const WorldTable<Vec3<uint32_t>>& corners() const { return features.vertex_triangle.triangles; }
   COLLIDED_HD int kind_of(uint64_t i) const {
     int found = 0;
     for (int kind = 1; kind < static_cast<int>(kContactKinds); ++kind)
@@ -80,7 +83,8 @@ struct OrderedContacts {
   COLLIDED_HD bool is_sure_crossing(uint64_t i) const {
     const uint8_t flags = columns.flags[i];
     return kind_of(i) == static_cast<int>(ContactKind::kEdgeTriangle) && (flags & kFlagCertified) != 0 &&
-           (flags & kFlagTouching) == 0 && first_id(key_of(i)) < edges.size() && second_id(key_of(i)) < corners.size();
+           (flags & kFlagTouching) == 0 && first_id(key_of(i)) < edges().size() &&
+           second_id(key_of(i)) < corners().size();
   }
 
   // Keys of pairs of features, and of meshes: ids of features, counted through all corners, sides and faces, are below
@@ -111,7 +115,7 @@ struct OrderedContacts {
  private:
   COLLIDED_HD uint32_t id_of_side(uint32_t edge) const { return static_cast<uint32_t>(vertices) + edge; }
   COLLIDED_HD uint32_t id_of_face(uint32_t element) const {
-    return static_cast<uint32_t>(vertices + edges.size()) + element;
+    return static_cast<uint32_t>(vertices + edges().size()) + element;
   }
   COLLIDED_HD static uint64_t unordered(uint32_t a, uint32_t b) { return pack_ids(min(a, b), max(a, b)); }
 };
@@ -168,8 +172,8 @@ struct KeyContacts {
         place_points(kind, surfaces.points_of(s), bits, reinterpret_cast<double*>(contacts.columns.weights.data + i));
     });
     if (contacts.is_sure_crossing(i))
-      keys[i] = contacts.key_of_meshes(contacts.edges[first_id(contacts.key_of(i))].from,
-                                       contacts.corners[second_id(contacts.key_of(i))].x);
+      keys[i] = contacts.key_of_meshes(contacts.edges()[first_id(contacts.key_of(i))].from,
+                                       contacts.corners()[second_id(contacts.key_of(i))].x);
   }
 };
 
@@ -178,8 +182,7 @@ struct ListFirstPlaces {
   FirstPlaces first;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const FirstPlaces of_step{first.keys, {first.slots.data, FirstPlaces::slots_for(count.size())}};
-    if (first.keys[i] != kNoKey) of_step.add(static_cast<uint32_t>(i));
+    if (first.keys[i] != kNoKey) first.of(count.size()).add(static_cast<uint32_t>(i));
   }
 };
 
@@ -189,7 +192,7 @@ struct MarkCovered {
   bool flags_too;  ///< the scene has contacts of all features
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const FirstPlaces of_step{first.keys, {first.slots.data, FirstPlaces::slots_for(contacts.count.size())}};
+    const FirstPlaces of_step = first.of(contacts.count.size());
     contacts.use_features(i, [&](const auto& kind, uint64_t key) {
       uint8_t &features = contacts.columns.features[i], &flags = contacts.columns.flags[i];
       if (of_step.find(first.keys[i]) != i) features |= kSameAsBefore;

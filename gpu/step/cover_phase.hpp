@@ -41,8 +41,6 @@ class CoverPhase {
             {&state->contacts, most, most},
             &state->kinds,
             FeatureKinds::of(topology),
-            topology.edge_ends(),
-            topology.corners(),
             topology.sides(),
             topology.meshes(),
             uint64_t{topology.shape.worlds} * topology.shape.vertices};

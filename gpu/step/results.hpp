@@ -254,28 +254,23 @@ class Results {
     MemoryHold held(spec_.memory_quota);
     held.resize(settling_bytes(places.size()));
     result_->counts.exact_decisions += places.size();
-    for (size_t first = 0; first < places.size(); first += kSettledAtATime) {
-      const size_t count = std::min(places.size() - first, kSettledAtATime);
-      std::vector<uint64_t> keys(count);
-      for (size_t k = 0; k < count; ++k) {
-        const auto& ids = set.elements[places[first + k]];
-        keys[k] = pack_ids(ids[0], ids[1]);
-      }
-      std::vector<uint32_t> ids(4 * count);
+    for_each_keys(set, places, places.size(), [&](const std::vector<uint64_t>& keys, size_t first) {
+      std::vector<uint32_t> ids(4 * keys.size());
       const auto points = gather<8>(keys, [&](Span<const uint64_t> resident, Span<Vec3<Real>> out) {
         const Vec3<Real>* positions = scene_.end.data();
         scene_.exact_ids.ensure(ids.size());
-        exec_.for_each("gather_points", count, GatherPoints<Real, Kind>{positions, positions, kind, resident, out});
-        exec_.for_each("gather_stencils", count, GatherStencils<Kind>{kind, resident, scene_.exact_ids.all()});
+        exec_.for_each("gather_points", keys.size(),
+                       GatherPoints<Real, Kind>{positions, positions, kind, resident, out});
+        exec_.for_each("gather_stencils", keys.size(), GatherStencils<Kind>{kind, resident, scene_.exact_ids.all()});
         exec_.download(ids.data(), scene_.exact_ids.data(), ids.size() * sizeof(uint32_t));
       });
-      decide_all(count, [&](uint64_t k) {
+      decide_all(keys.size(), [&](uint64_t k) {
         const auto& p = points[k];
         const uint32_t* of = ids.data() + 4 * k;
         set.features[places[first + k]] =
             exact_closest_features(Kind::kKind, {p[0], p[1], p[2], p[3]}, {of[0], of[1], of[2], of[3]});
       });
-    }
+    });
   }
 
   // EXACT: what is left open goes to the host's exact arithmetic, but for contacts on arcs.
@@ -349,17 +344,22 @@ class Results {
     held.resize(settling_bytes(count));
     const std::vector<size_t> places = undecided(loops, set, count);
     begin(places.size());
-    std::vector<uint64_t> keys;
-    const size_t open = count_open(set, places);
-    for (size_t first = 0; first < open; first += kSettledAtATime) {
-      keys.clear();
-      for (size_t k = first; k < std::min(open, first + kSettledAtATime); ++k)
-        keys.push_back(pack_ids(set.elements[places[k]][0], set.elements[places[k]][1]));
-      decide(keys, first);
-    }
+    for_each_keys(set, places, count_open(set, places), decide);
     if (!places.empty()) apply(places);
     result_->any_contact = result_->any_contact || set.size() > 0;
     return count;
+  }
+
+  /// use(keys, index of the first) for the contacts at the first `count` places, a bounded number at a time.
+  template <class Use>
+  static void for_each_keys(const ContactSet& set, const std::vector<size_t>& places, size_t count, const Use& use) {
+    std::vector<uint64_t> keys;
+    for (size_t first = 0; first < count; first += kSettledAtATime) {
+      keys.clear();
+      for (size_t k = first; k < std::min(count, first + kSettledAtATime); ++k)
+        keys.push_back(pack_ids(set.elements[places[k]][0], set.elements[places[k]][1]));
+      use(keys, first);
+    }
   }
 
   template <class Kind>

@@ -59,10 +59,12 @@ std::vector<std::string_view> feature_words(v1::ContactKind kind, uint8_t featur
 }
 
 std::optional<uint64_t> count_covered(const client::FrameOutput& output) {
+  const auto is_covered = [](uint8_t flags) { return (flags & v1::CONTACT_FLAG_COVERED) != 0; };
   std::optional<uint64_t> covered;
   for_each_kind(
       [&](v1::ContactKind, const client::Contacts& contacts) {
-        if (!contacts.features.empty()) covered = covered.value_or(0) + contacts.count - client::kept(contacts).count;
+        if (contacts.features.empty()) return;
+        covered = covered.value_or(0) + static_cast<uint64_t>(std::ranges::count_if(contacts.flags, is_covered));
       },
       output);
   return covered;

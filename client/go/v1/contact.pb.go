@@ -185,9 +185,9 @@ const (
 	// In contact at t = 0 at a distance above 0, and certain to come no closer in the step (at most 2^-20 of that
 	// distance): features that rest on each other or part.
 	ContactFlag_CONTACT_FLAG_SEPARATING ContactFlag = 16
-	// Of VERTEX_TRIANGLE and EDGE_EDGE, in frames with `features` of scenes that have both kinds: an earlier contact is between the
-	// same two features, or one of the surfaces comes clearly nearer beside its closest point. In the latter case another contact
-	// is the nearest there. A rigid-body solver skips these contacts.
+	// An earlier contact is between the same two features. Or a surface comes clearly nearer beside its closest point, and the two
+	// meshes do not cross: then another contact is the nearest there. A rigid-body solver skips such contacts. VERTEX_TRIANGLE and
+	// EDGE_EDGE have this flag in frames with `features`, in scenes of both kinds.
 	ContactFlag_CONTACT_FLAG_COVERED ContactFlag = 32
 	// Of EDGE_TRIANGLE: edge and triangle touch, and that they are told as crossing follows from the order of their vertices' ids.
 	ContactFlag_CONTACT_FLAG_TOUCHING ContactFlag = 64
@@ -396,16 +396,16 @@ type ContactChunk struct {
 	// uint32[count], ascending: the world of each contact, in a stream of a set's frames; else empty. Ids are counted in each
 	// world as in a scene of its own, and contacts of one world are in canonical order.
 	Worlds []byte `protobuf:"bytes,11,opt,name=worlds,proto3" json:"worlds,omitempty"`
-	// uint8[count] (CONTACT_FIELD_FEATURES). The closest points are p, of the first feature, and q, of the second. Corners and ends
-	// are those of the stencil, in its order. Ties go to the feature of the lowest dimension, and between two of these to the least
-	// vertex ids.
-	// Bits 0 to 2 of VERTEX_TRIANGLE, where p is the vertex, locate q: 0 is within the face; 1, 2, 3 is the side opposite to corner
-	// 1, 2, 3; 4, 5, 6 is corner 1, 2, 3.
-	// Bits 0 and 1 of EDGE_EDGE locate p on the first edge, bits 2 and 3 locate q on the second: 0 is within the edge; 1 and 2 are its
-	// first and its second end.
-	// Bit 4 (16) is set if the first surface comes clearly nearer beside p, bit 5 (32) if the second does beside q: with a slope of
-	// more than 1/64, and never where the distance is 0. Bit 6 (64) is set if an earlier contact, in the order of answers, has its
-	// closest points on the same two features. More bits may be added: test bits, do not compare bytes.
+	// uint8[count] (CONTACT_FIELD_FEATURES). p is the closest point of the first feature, and q that of the second.
+	// VERTEX_TRIANGLE: p is the vertex. Bits 0 to 2 locate q. 0 is the face; 1, 2, 3 is the side opposite to corner 1, 2, 3;
+	// 4, 5, 6 is corner 1, 2, 3.
+	// EDGE_EDGE: bits 0 and 1 locate p on the first edge, bits 2 and 3 locate q on the second. 0 is within the edge, 1 and 2 are
+	// its ends.
+	// Corners and ends are in the order of the stencil. A tie goes to the lowest dimension, then to the least vertex ids.
+	// Bit 4 (16): the first surface comes clearly nearer beside p, with a slope of more than 1/64. Bit 5 (32): the second surface
+	// does beside q. Neither bit is set at distance 0.
+	// Bit 6 (64): an earlier contact, in the order of answers, is between the same two features.
+	// More bits may be added: test bits, do not compare bytes.
 	Features []byte `protobuf:"bytes,12,opt,name=features,proto3" json:"features,omitempty"`
 }
 
