@@ -14,13 +14,13 @@
 namespace collided {
 
 /// Which two features touch, in the order in which answers have them.
-enum class ContactKind { kVertexTriangle, kEdgeEdge, kTriangleTriangle, kEdgeTriangle };
-inline constexpr size_t kContactKinds = 4;
+enum class ContactKind { kVertexTriangle, kEdgeEdge, kTriangleTriangle, kEdgeTriangle, kVertexSolid };
+inline constexpr size_t kContactKinds = 5;
 
 /// One value for each kind.
 template <class T>
 struct PerKind {
-  T vertex_triangle{}, edge_edge{}, triangle_triangle{}, edge_triangle{};
+  T vertex_triangle{}, edge_edge{}, triangle_triangle{}, edge_triangle{}, vertex_solid{};
 
   bool operator==(const PerKind&) const = default;
 };
@@ -32,6 +32,7 @@ constexpr void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(ContactKind::kEdgeEdge, structs.edge_edge...);
   visit(ContactKind::kTriangleTriangle, structs.triangle_triangle...);
   visit(ContactKind::kEdgeTriangle, structs.edge_triangle...);
+  visit(ContactKind::kVertexSolid, structs.vertex_solid...);
 }
 
 /// The value of one kind, of a PerKind.
@@ -46,18 +47,21 @@ constexpr auto& value_of(Values& values, ContactKind kind) {
 using Normal = std::array<float, 3>;
 
 /// What an answer can tell of a contact.
-enum class ContactField { kElements, kToi, kDistance, kWeights, kNormals, kFlags, kFeatures };
+enum class ContactField { kElements, kToi, kDistance, kWeights, kNormals, kFlags, kFeatures, kSignedDistance };
 
 /// One array for each field; its values are those of the wire: little-endian, packed.
 template <template <class> class Array>
 struct PerField {
   Array<std::array<uint32_t, 2>> elements;  ///< vertex or edge, triangle; or two edges or triangles (first < second)
   Array<double> toi;                        ///< [0, 1]; CCD from kFast on
-  Array<double> distance;                   ///< >= 0; from kFast on
+  Array<double> distance;                   ///< >= 0, but of vertices in solids < 0; from kFast on
   Array<std::array<double, 2>> weights;     ///< triangle's 2nd and 3rd corner, or along each of two edges; if asked for
   Array<Normal> normals;                    ///< unit, as narrow/normal.hpp defines it; if asked for
   Array<uint8_t> flags;                     ///< ContactFlags; from kFast on
   Array<uint8_t> features;                  ///< FeatureBits; of kinds of features in DCD, if asked for
+  /// Likewise: minus `distance` where one of the closest points is in the other one's mesh, a solid; else `distance`.
+  /// NaN between meshes that are no solids, and where one feature goes through the other's mesh.
+  Array<double> signed_distance;
 };
 
 /// visit(field, array of each of `structs`) for each field in order.
@@ -70,6 +74,7 @@ constexpr void for_each_field(const Visit& visit, PerFields&&... structs) {
   visit(ContactField::kNormals, structs.normals...);
   visit(ContactField::kFlags, structs.flags...);
   visit(ContactField::kFeatures, structs.features...);
+  visit(ContactField::kSignedDistance, structs.signed_distance...);
 }
 
 namespace detail {

@@ -23,8 +23,11 @@ inline ContactVertices find_edge_edge(const std::array<uint32_t, 2>& elements, c
   const auto &a = topology.edges[elements[0]], &b = topology.edges[elements[1]];
   return {a[0], a[1], b[0], b[1]};
 }
-inline constexpr PerKind<FindVertices> kFindVertices{
-    .vertex_triangle = find_vertex_triangle, .edge_edge = find_edge_edge, .triangle_triangle = nullptr, .edge_triangle = nullptr};
+inline constexpr PerKind<FindVertices> kFindVertices{.vertex_triangle = find_vertex_triangle,
+                                                     .edge_edge = find_edge_edge,
+                                                     .triangle_triangle = nullptr,
+                                                     .edge_triangle = nullptr,
+                                                     .vertex_solid = find_vertex_triangle};
 }  // namespace detail
 
 /// Returns null for a kind whose contacts have no stencils.

@@ -132,6 +132,9 @@ struct MeshSpec {
   /// within the real sum SceneSpec::thickness + h_i + h_j, a mesh and itself within thickness + 2 h. Continuous frames
   /// of scenes of both modes do not use it.
   double half_thickness = 0;
+  /// The mesh bounds a volume: triangles alone, each edge used as often in one direction as in the other, and a volume
+  /// above 0 in the first frame.
+  bool solid = false;
 };
 constexpr uint32_t kMaxRings = 8;
 
@@ -167,10 +170,13 @@ struct SceneSpec {
   Report report = Report::kAll;
   /// Which kinds are wanted, one or more. Vertex-triangle contacts are also those of a loose point and a loose edge or
   /// another point (search/loose_elements.hpp). Of triangles, in DCD: those of the frame that intersect; thickness
-  /// plays no part. In CCD, at kCandidates alone: those whose boxes overlap.
+  /// plays no part. In CCD, at kCandidates alone: those whose boxes overlap. Vertices in solids, in DCD: of a vertex
+  /// and the triangle of another mesh, in which it is, that is nearest to it; `distance` is minus the depth.
   PerKind<bool> kinds = {.vertex_triangle = true, .edge_edge = true};
   /// What contacts are to have, where the level computes it. Elements, toi and flags are always there.
   FieldSet fields = {ContactField::kElements, ContactField::kToi, ContactField::kDistance, ContactField::kFlags};
+  /// Frames of DCD tell how each pair of meshes, one of them solid, lies to each other (FrameResult::pair_states).
+  bool pair_states = false;
   uint64_t memory_budget = 0;                 ///< bytes on the backend; 0: no limit but the device's
   std::shared_ptr<MemoryQuota> memory_quota;  ///< that counts it too, and memory on the host; may be empty
   int threads = 0;                            ///< CPU threads; 0: all cores
@@ -187,6 +193,10 @@ struct SceneSpec {
   uint32_t worlds = 0;
   std::vector<MeshSpec> meshes;
 };
+/// Whether some mesh is a solid.
+inline bool has_solids(const SceneSpec& spec) {
+  return std::any_of(spec.meshes.begin(), spec.meshes.end(), [](const MeshSpec& mesh) { return mesh.solid; });
+}
 constexpr uint32_t kMaxWorlds = 1u << 16;
 constexpr size_t kMaxShards = 64;
 /// That the scene is on, or its first shard.
@@ -351,6 +361,29 @@ struct FrameCounts {
   PerKind<uint64_t> candidates, contacts;
   PerKind<uint64_t> survivors;  ///< left by the coplanarity filter (from kGuarded on)
   uint64_t exact_decisions = 0;
+  /// With `pair_states`: pairs of a vertex and another mesh, a solid, whose winding number there is below 0, because a
+  /// part of the mesh is inside out.
+  uint64_t inside_out = 0;
+};
+
+/// How two meshes, one of them solid at least, lie to each other. A vertex is in a solid if the winding number of the
+/// solid around it is 1 or more and it is on none of its triangles.
+/// - kTouching: they have points in common, and no volume or, if one is no solid, no triangles that go through each
+///   other.
+/// - kOverlapping: they meet in more than that, or a vertex of one is in the other, but not as below.
+/// - kFirstInside, kSecondInside: they have no point of their surfaces in common; all vertices of one are in the other,
+///   and none of the other in this one.
+enum class PairState { kTouching, kOverlapping, kFirstInside, kSecondInside };
+
+/// Two meshes that are not apart, as positions of the frame have them. Decided exactly.
+struct MeshPairState {
+  static constexpr uint32_t kNoVertex = ~0u;
+
+  uint32_t first = 0, second = 0;  ///< meshes, first < second
+  PairState state = PairState::kTouching;
+  uint64_t first_inside = 0, second_inside = 0;  ///< vertices of this mesh that are in the other
+  uint32_t deepest = kNoVertex;                  ///< of these vertices (scene-wide id), the lowest of equal ones
+  double depth = 0;                              ///< its distance from the other mesh's surface, unit of the positions
 };
 
 /// A world whose part of a frame is refused; it is as it was. `field`: of MeshPositions, or `updates`.
@@ -398,6 +431,9 @@ struct FrameResult : PerKind<ContactSet> {
   /// (narrow/floors.hpp), of each kind in canonical order, with all columns, on the host. `distance` is the floor, and
   /// `toi` the fraction of the whole way at which the pair comes to it, no later than in truth. The same in each mode.
   PerKind<ContactSet> limits;
+  /// With SceneSpec::pair_states, in DCD: the pairs of meshes that may touch and are not apart, by `first` and
+  /// `second`.
+  std::vector<MeshPairState> pair_states;
   bool any_contact = false;
   WorldResults worlds;             ///< of a set of worlds
   std::vector<ShardFacts> shards;  ///< of a scene in parts. Counts of what was done (cells, tests) are of all together

@@ -49,7 +49,7 @@ struct ColumnBuffers : PerField<BufferOn<Exec>::template Type> {
   explicit ColumnBuffers(Exec& exec)
       : PerField<BufferOn<Exec>::template Type>{{exec, "keys"},     {exec, "contacts"}, {exec, "contacts"},
                                                 {exec, "contacts"}, {exec, "contacts"}, {exec, "contacts"},
-                                                {exec, "contacts"}} {}
+                                                {exec, "contacts"}, {exec, "contacts"}} {}
 
   void reserve(uint64_t count, FieldSet wanted) {
     for_each_field(

@@ -58,10 +58,22 @@ inline bool tells_features(const SceneSpec& spec) {
   return spec.fields.has(ContactField::kFeatures) && spec.mode != Mode::kCcd && spec.part_devices.empty() &&
          (spec.kinds.vertex_triangle || spec.kinds.edge_edge);
 }
-/// The kinds that a scene looks for: which contacts are covered depends on which meshes cross.
+/// Whether frames of DCD tell signed distances, which only solids give a sign.
+inline bool tells_signed_distances(const SceneSpec& spec) {
+  return spec.fields.has(ContactField::kSignedDistance) && spec.mode != Mode::kCcd && has_solids(spec) &&
+         (spec.kinds.vertex_triangle || spec.kinds.edge_edge);
+}
+/// Whether frames of DCD ask what is in which solid.
+inline bool looks_into_solids(const SceneSpec& spec) {
+  return spec.kinds.vertex_solid || spec.pair_states || tells_signed_distances(spec);
+}
+/// The kinds that a scene's steps look for. Which contacts are covered, how meshes lie to each other and where
+/// distances have no sign depends on what crosses. Vertices in solids are found after the step.
 inline PerKind<bool> kinds_looked_for(const SceneSpec& spec) {
   PerKind<bool> kinds = spec.kinds;
-  kinds.edge_triangle = kinds.edge_triangle || tells_features(spec);
+  kinds.vertex_solid = false;
+  kinds.edge_triangle = kinds.edge_triangle || tells_features(spec) || spec.pair_states ||
+                        tells_signed_distances(spec) || kinds == PerKind<bool>{};
   return kinds;
 }
 

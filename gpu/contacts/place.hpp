@@ -45,7 +45,7 @@ struct PlaceContact {
     const Target to = target_of(i);
     if (to.place >= to.kind->count) return;
     // All columns have a name here, or this does not compile.
-    const auto& [elements, toi, distance, weights, normals, flags, closest] =
+    const auto& [elements, toi, distance, weights, normals, flags, closest, with_sign] =
         static_cast<const PerField<Span>&>(columns);
     put(to, index_of(ContactField::kElements), elements, i);
     put(to, index_of(ContactField::kToi), toi, i);
@@ -54,6 +54,7 @@ struct PlaceContact {
     put(to, index_of(ContactField::kNormals), normals, i);
     put(to, index_of(ContactField::kFlags), flags, i);
     put(to, index_of(ContactField::kFeatures), closest, i);
+    put(to, index_of(ContactField::kSignedDistance), with_sign, i);
     if (to.widths[kStencilArray] != 0) put_stencil(to, i);
   }
 

@@ -35,9 +35,13 @@ struct SceneCounts {
             static_cast<uint32_t>(triangles / count)};
   }
   bool has_loose_elements() const { return loose_edges + loose_points > 0; }
-  /// How many first features the contacts of each kind may have.
+  /// How many first features the contacts of each kind may have in a step's lists.
   PerKind<uint64_t> first_features() const {
-    return {.vertex_triangle = vertices, .edge_edge = edges, .triangle_triangle = triangles, .edge_triangle = edges};
+    return {.vertex_triangle = vertices,
+            .edge_edge = edges,
+            .triangle_triangle = triangles,
+            .edge_triangle = edges,
+            .vertex_solid = 0};  // they are in no list of the step's
   }
 };
 

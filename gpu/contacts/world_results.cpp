@@ -10,6 +10,7 @@ struct FeaturesOfWorld {
 FeaturesOfWorld features_of(ContactKind kind, const WorldShape& shape) {
   switch (kind) {
     case ContactKind::kVertexTriangle:
+    case ContactKind::kVertexSolid:
       return {shape.vertices, shape.triangles};
     case ContactKind::kEdgeEdge:
       return {shape.edges, shape.edges};

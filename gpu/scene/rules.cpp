@@ -28,6 +28,10 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
         "triangle_triangle is on, but only DCD tests triangle pairs; CCD lists them at CANDIDATES alone");
   if (spec.kinds.edge_triangle && settings.accuracy == Accuracy::kCandidates && !settings.is_ccd())
     throw InvalidInput("edge_triangle", "edge_triangle is on, but CANDIDATES decides of no pair whether it crosses");
+  if (spec.kinds.vertex_solid && settings.accuracy == Accuracy::kCandidates && !settings.is_ccd())
+    throw InvalidInput("vertex_solid", "vertex_solid is on, but CANDIDATES decides of no vertex whether it is inside");
+  if (spec.pair_states && settings.accuracy == Accuracy::kCandidates && !settings.is_ccd())
+    throw InvalidInput("pair_states", "pair_states is on, but CANDIDATES decides of no pair whether it meets");
   check_length("delta", settings.delta, coordinate_limit(spec.scalar));
   if (settings.report == Report::kEarliestOnly && (!settings.is_ccd() || settings.accuracy < Accuracy::kGuarded))
     throw InvalidInput("report", "report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
@@ -55,6 +59,11 @@ void check_quantization(const SceneSpec& spec) {
     throw InvalidInput(
         "edge_triangle",
         "edge_triangle is on, but of encoded positions nobody can tell which edges go through triangles");
+  if (spec.kinds.vertex_solid)
+    throw InvalidInput("vertex_solid",
+                       "vertex_solid is on, but of encoded positions nobody can tell which vertices are inside");
+  if (spec.pair_states)
+    throw InvalidInput("pair_states", "pair_states is on, but of encoded positions nobody can tell what meets");
 }
 
 std::string name_of(Mode mode) { return mode == Mode::kDcd ? "DCD" : mode == Mode::kCcd ? "CCD" : "DCD_AND_CCD"; }
@@ -156,6 +165,16 @@ void check_parts(const SceneSpec& spec) {
     throw InvalidInput("reuse", "reuse is ON, but a scene in parts has no lists of neighbours");
 }
 
+/// Whether what is asked of solids has any.
+void check_solids(const SceneSpec& spec) {
+  const auto refuse = [](const char* field) {
+    throw InvalidInput(field, std::string(field) + " is on, but no mesh is a solid");
+  };
+  if (has_solids(spec)) return;
+  if (spec.kinds.vertex_solid) refuse("vertex_solid");
+  if (spec.pair_states) refuse("pair_states");
+}
+
 /// Of a mesh of a set of worlds.
 void check_mesh_of_worlds(const MeshSpec& mesh, const std::string& field) {
   if (mesh.motion == MeshMotion::kRigid)
@@ -251,8 +270,13 @@ void check_spec(const SceneSpec& spec) {
     throw InvalidInput("triangle_triangle", "triangle_triangle is on, which needs a scene of DCD or of CCD alone");
   if (spec.kinds.edge_triangle && spec.mode == Mode::kCcd)
     throw InvalidInput("edge_triangle", "edge_triangle is on, but edges go through triangles in frames of DCD alone");
+  if (spec.kinds.vertex_solid && spec.mode == Mode::kCcd)
+    throw InvalidInput("vertex_solid",
+                       "vertex_solid is on, but vertices are looked for in solids in frames of DCD alone");
+  if (spec.pair_states && spec.mode == Mode::kCcd)
+    throw InvalidInput("pair_states", "pair_states is on, but frames of DCD alone tell how meshes lie to each other");
   if (spec.mode == Mode::kBoth && !is_of_features(first_of(spec.kinds)))
-    throw InvalidInput("kinds", "kinds has edge_triangle alone, but frames of CCD have vertex_triangle and edge_edge");
+    throw InvalidInput("kinds", "kinds has neither vertex_triangle nor edge_edge, and frames of CCD have no others");
   check_settings(spec, settings_of(spec, {}));
   if (spec.worlds > 0) check_worlds(spec);
   if (!spec.part_devices.empty()) check_parts(spec);
@@ -265,10 +289,17 @@ void check_exclusions(const SceneSpec& spec) {
                        "rest_distance is " + text(spec.rest_distance) + ", but no mesh excludes rest pairs");
   for (size_t i = 0; i < spec.meshes.size(); ++i) check_mesh(spec, spec.meshes[i], "meshes[" + text(i) + "]");
   check_excluded_meshes(spec);
+  check_solids(spec);
   check_distances(spec, settings_of(spec, {}));
 }
 
 void check_mesh(const SceneSpec& spec, const MeshSpec& mesh, const std::string& field) {
+  const auto refuse_solid = [&](const std::string& where) {
+    throw InvalidInput(field + ".solid", field + ".solid is on, but no mesh of " + where + " can be a solid");
+  };
+  if (mesh.solid && spec.worlds > 0) refuse_solid("a set of worlds");
+  if (mesh.solid && !spec.part_devices.empty()) refuse_solid("a scene in parts");
+  if (mesh.solid && spec.quantized_in) refuse_solid("encoded positions");
   if (spec.worlds > 0) check_mesh_of_worlds(mesh, field);
   check_length(field + ".half_thickness", mesh.half_thickness, coordinate_limit(spec.scalar));
   if (mesh.excluded_rings > kMaxRings)

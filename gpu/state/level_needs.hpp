@@ -22,14 +22,17 @@ struct WayRules {
 struct LevelNeeds {
   FrameSettings settings{};
   PerKind<bool> kinds = {};
-  FieldSet fields = {};           ///< that are asked for
-  bool finds_rest_pairs = false;  ///< the step finds the pairs that all others leave out
-  bool tells_contacts = true;     ///< the step finds contacts
-  bool tells_features = false;    ///< on which features their closest points are, and which are covered
-  bool advances = false;          ///< the step finds the pairs that ways are shortened for
-  WayRules ways = {};             ///< of such a step
-  bool has_room = false;          ///< there is memory of the backend for contacts
-  ContactWidths widths = {};      ///< of what is put there
+  FieldSet fields = {};            ///< that are asked for
+  bool finds_rest_pairs = false;   ///< the step finds the pairs that all others leave out
+  bool tells_contacts = true;      ///< the step finds contacts
+  bool tells_features = false;     ///< on which features their closest points are, and which are covered
+  bool tells_signed = false;       ///< their signed distances
+  bool tells_states = false;       ///< how pairs of meshes lie to each other
+  bool looks_into_solids = false;  ///< after the step: which vertices are in which solids
+  bool advances = false;           ///< the step finds the pairs that ways are shortened for
+  WayRules ways = {};              ///< of such a step
+  bool has_room = false;           ///< there is memory of the backend for contacts
+  ContactWidths widths = {};       ///< of what is put there
 
   bool operator==(const LevelNeeds&) const = default;
 
@@ -46,11 +49,12 @@ struct LevelNeeds {
   bool tests_triangles() const { return kinds.triangle_triangle && !is_ccd(); }
   /// Edges that go through triangles are those of a DCD frame.
   bool tests_crossings() const { return kinds.edge_triangle && !is_ccd(); }
-  /// Some contacts are left to exact arithmetic on the host.
-  bool settles() const { return is_exact() || tests_crossings(); }
+  /// Some contacts are left to exact arithmetic on the host, or get their signs there.
+  bool settles() const { return is_exact() || tests_crossings() || looks_into_solids; }
   /// What is reported of a kind is a contact, not just a candidate.
   bool tests(ContactKind kind) const {
     if (is_of_features(kind)) return has_narrow_phase();
+    if (kind == ContactKind::kVertexSolid) return looks_into_solids;
     return kind == ContactKind::kEdgeTriangle ? tests_crossings() : tests_triangles();
   }
   /// Contacts stay on the backend.
@@ -75,8 +79,9 @@ struct LevelNeeds {
       return has_weights ? present.with(ContactField::kWeights) : present;
     }
     if (is_ccd()) present = present.with(ContactField::kToi);
-    if (tells_features) present = present.with(ContactField::kFeatures);
+    if (is_of_features(kind) && tells_features) present = present.with(ContactField::kFeatures);
     if (is_any_hit()) return present;  // no contact is returned
+    if (is_of_features(kind) && tells_signed) present = present.with(ContactField::kSignedDistance);
     for (const ContactField field : {ContactField::kDistance, ContactField::kWeights, ContactField::kNormals})
       if (fields.has(field)) present = present.with(field);
     return present;
@@ -103,11 +108,24 @@ struct LevelNeeds {
   bool judges_resolution() const { return tells_contacts && settings.accuracy >= Accuracy::kGuarded; }
 };
 
+/// Returns the kinds of features that are wanted.
+inline PerKind<bool> kinds_of_features(const SceneSpec& spec) {
+  return {.vertex_triangle = spec.kinds.vertex_triangle, .edge_edge = spec.kinds.edge_edge};
+}
+
 inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings, const ContactRoom& room = {}) {
-  LevelNeeds needs{settings, spec.kinds, spec.fields};
+  LevelNeeds needs{settings, {}, spec.fields};
   needs.tells_features =
       collided::tells_features(spec) && !needs.is_ccd() && needs.has_narrow_phase() && settings.report == Report::kAll;
-  needs.kinds.edge_triangle = !needs.is_ccd() && (spec.kinds.edge_triangle || needs.tells_features);
+  needs.looks_into_solids =
+      collided::looks_into_solids(spec) && !needs.is_ccd() && needs.has_narrow_phase() && !needs.is_earliest_only();
+  needs.tells_signed = tells_signed_distances(spec) && needs.looks_into_solids && settings.report == Report::kAll;
+  needs.tells_states = spec.pair_states && needs.looks_into_solids && settings.report == Report::kAll;
+  needs.kinds = kinds_of_features(spec);
+  needs.kinds.triangle_triangle = spec.kinds.triangle_triangle;
+  needs.kinds.edge_triangle =
+      !needs.is_ccd() && (spec.kinds.edge_triangle || needs.tells_features || needs.tells_signed ||
+                          needs.tells_states || needs.kinds == PerKind<bool>{});
   needs.has_room = !room.memory.empty();
   if (!needs.has_room) return needs;
   for_each_kind(
@@ -121,8 +139,7 @@ inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings,
 /// Returns the needs of a step that finds the pairs whose vertices' ways may have to be shortened, and nothing else.
 inline LevelNeeds needs_of_ways(const SceneSpec& spec, const WayRules& ways) {
   const FrameSettings settings{Mode::kCcd, Accuracy::kGuarded, 0, Report::kAll, 0, 0, false};
-  LevelNeeds needs{settings, spec.kinds, {ContactField::kElements}};
-  needs.kinds.triangle_triangle = needs.kinds.edge_triangle = false;
+  LevelNeeds needs{settings, kinds_of_features(spec), {ContactField::kElements}};
   needs.tells_contacts = false;
   needs.advances = true;
   needs.ways = ways;
@@ -137,9 +154,7 @@ inline LevelNeeds needs_of_rest_pairs(const SceneSpec& spec) {
   const double distance = is_contact ? spec.thickness : spec.rest_distance;
   const FrameSettings settings{
       Mode::kDcd, Accuracy::kExact, 0, Report::kAll, distance, distance, false, 0, is_contact ? thickest_of(spec) : 0};
-  PerKind<bool> kinds = spec.kinds;
-  kinds.triangle_triangle = kinds.edge_triangle = false;
-  return {settings, kinds, {ContactField::kElements}, true};
+  return {settings, kinds_of_features(spec), {ContactField::kElements}, true};
 }
 
 }  // namespace collided
