@@ -381,7 +381,7 @@ struct MeshPairState {
 
   uint32_t first = 0, second = 0;  ///< meshes, first < second
   PairState state = PairState::kTouching;
-  uint64_t first_inside = 0, second_inside = 0;  ///< vertices of this mesh that are in the other
+  uint32_t first_inside = 0, second_inside = 0;  ///< vertices of this mesh that are in the other
   uint32_t deepest = kNoVertex;                  ///< of these vertices (scene-wide id), the lowest of equal ones
   double depth = 0;                              ///< its distance from the other mesh's surface, unit of the positions
 };
