@@ -2,9 +2,9 @@
 // A hierarchy over the triangles of all solids (engines/lbvh/lbvh.hpp), in which leaves are places in the table of
 // these triangles.
 
+#include "gpu/base/solids.hpp"
 #include "gpu/boxes/boxes.hpp"
 #include "gpu/engines/lbvh/lbvh.hpp"
-#include "gpu/base/solids.hpp"
 
 namespace collided {
 

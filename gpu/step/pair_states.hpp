@@ -20,8 +20,8 @@ struct FoundInSolids {
   const ContactSet& inside;                   ///< vertices in solids, with distances
 };
 
-/// Tells whether two meshes (first < second) that only touch overlap all the same: where all that meets is a tie, and no
-/// vertex is in the other mesh.
+/// Tells whether two meshes (first < second) that only touch overlap all the same: where all that meets is a tie, and
+/// no vertex is in the other mesh.
 using OverlapDecision = std::function<bool(uint32_t first, uint32_t second)>;
 
 /// Returns the states of all pairs that are not apart, in order. `decide` is asked where the rest leaves it open.
