@@ -36,6 +36,8 @@ class Unit {
   /// Of numbers seen.
   Number operator()(double x) const;
   Number operator()(const ContactDistance& x) const;
+  /// The unit is 2^exponent, if a number other than 0 was seen.
+  int exponent() const { return exponent_; }
   Vec3<Number> operator()(const Vec3<double>& p) const { return {(*this)(p.x), (*this)(p.y), (*this)(p.z)}; }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "gpu/exact/fraction.hpp"
 #include "gpu/exact/integers.hpp"
 #include "gpu/exact/poll.hpp"
 
@@ -9,22 +10,17 @@ namespace collided {
 namespace {
 
 using Corners = std::array<Vec3<double>, 3>;
+using exact::Fraction;
 using exact::Number;
 using exact::fixed::is_zero;
 using exact::fixed::wide_cross;
 using exact::fixed::wide_dot;
 using Vector = Vec3<Number>;
 
-/// A square of a distance, as a fraction. The divisor is above 0.
-struct Square {
-  Number dividend, divisor{1};
-};
-int compare(const Square& a, const Square& b) { return (a.dividend * b.divisor - b.dividend * a.divisor).sign(); }
-
 Number square_of(const Vector& v) { return wide_dot(v, v); }
 
 /// The square of the distance from 0 to the segment a b.
-Square square_to_segment(const Vector& a, const Vector& b) {
+Fraction square_to_segment(const Vector& a, const Vector& b) {
   const Vector ab = b - a;
   if (wide_dot(a, ab).sign() >= 0) return {square_of(a)};
   if (wide_dot(b, ab).sign() <= 0) return {square_of(b)};
@@ -32,7 +28,7 @@ Square square_to_segment(const Vector& a, const Vector& b) {
 }
 
 /// The same to the triangle a b c: to its plane if 0 is above or below the triangle, else to its nearest side.
-Square square_to_triangle(const Vector& a, const Vector& b, const Vector& c) {
+Fraction square_to_triangle(const Vector& a, const Vector& b, const Vector& c) {
   const Vector normal = wide_cross(b - a, c - a);
   const auto is_within = [&](const Vector& from, const Vector& to) {
     return wide_dot(wide_cross(from, to), normal).sign() >= 0;
@@ -41,13 +37,13 @@ Square square_to_triangle(const Vector& a, const Vector& b, const Vector& c) {
     const Number height = wide_dot(a, normal);
     return {height * height, square_of(normal)};
   }
-  Square nearest = square_to_segment(a, b);
-  for (const Square& other : {square_to_segment(b, c), square_to_segment(c, a)})
+  Fraction nearest = square_to_segment(a, b);
+  for (const Fraction& other : {square_to_segment(b, c), square_to_segment(c, a)})
     if (compare(other, nearest) < 0) nearest = other;
   return nearest;
 }
 
-Square square_to_triangle(const exact::Unit& unit, const Vec3<double>& p, const Corners& t) {
+Fraction square_to_triangle(const exact::Unit& unit, const Vec3<double>& p, const Corners& t) {
   exact::PollScope::step();
   const Vector origin = unit(p);
   return square_to_triangle(unit(t[0]) - origin, unit(t[1]) - origin, unit(t[2]) - origin);
@@ -71,9 +67,9 @@ int compare_distances(const Vec3<double>& p, const Corners& first, const Corners
 size_t nearest_of(const Vec3<double>& p, std::span<const Corners> triangles) {
   const exact::Unit unit = unit_of(p, triangles);
   size_t nearest = 0;
-  Square least = square_to_triangle(unit, p, triangles[0]);
+  Fraction least = square_to_triangle(unit, p, triangles[0]);
   for (size_t i = 1; i < triangles.size(); ++i) {
-    Square square = square_to_triangle(unit, p, triangles[i]);
+    Fraction square = square_to_triangle(unit, p, triangles[i]);
     if (compare(square, least) >= 0) continue;
     nearest = i;
     least = std::move(square);
