@@ -1,9 +1,9 @@
 """The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
-(collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), solids (collided_solids_bench), exact
-(collided_exact_bench), subdivision (collided_subdivision_bench), reuse (collided_reuse_bench), trials
-(collided_trials_bench) or advance_costs (collided_advance_costs_bench).
+(collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), solids
+(collided_solids_bench), exact (collided_exact_bench), subdivision (collided_subdivision_bench), reuse
+(collided_reuse_bench), trials (collided_trials_bench) or advance_costs (collided_advance_costs_bench).
 """
 
 import json
