@@ -103,7 +103,8 @@ FOLDERS["search"] = {"base", "exec", "contacts", "boxes"}
 FOLDERS["tables"] = {"base", "contacts", "exec", "search"}
 FOLDERS["state"] = {"base", "exec", "contacts", "boxes", "search", "narrow"}
 FOLDERS["engines"] = {"base", "exec", "contacts", "boxes", "narrow", "state"}
-FOLDERS["step"] = FOLDERS["state"] | {"state", "engines", "exact"}
+FOLDERS["solids"] = {"base", "exec", "contacts", "boxes", "narrow", "engines", "exact"}
+FOLDERS["step"] = FOLDERS["state"] | {"state", "engines", "exact", "solids"}
 FOLDERS["scene"] = FOLDERS["step"] | {"positions", "step", "tables"}
 # What a step's counters and plan hold of an engine's.
 COUNTED_OF_ENGINES = {f"gpu/engines/octree/{name}.hpp" for name in ("levels", "octree_plan", "subdivision")}
