@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "server/convert/frame.hpp"
+#include "server/refusals/field_path.hpp"
 #include "tests/server/convert/scene_refusals.hpp"
 
 namespace collided::server {
@@ -124,6 +125,11 @@ TEST(ConvertSolids, AFrameOfCandidatesIsRefused) {
   EXPECT_EQ(refused([](pb::SceneSpec& s) { s.mutable_kinds()->RemoveLast(); }),
             "frame.accuracy is ACCURACY_CANDIDATES: CONTACT_FIELD_PAIR_STATES of spec.fields is on, but CANDIDATES "
             "decides of no pair whether it meets");
+}
+
+TEST(ConvertSolids, WhatAFirstFrameShowsOfOneIsRefusedByTheScenesField) {
+  EXPECT_EQ(frame_path("meshes[1].solid"), "spec.meshes[1].solid");
+  EXPECT_EQ(frame_path("edit.meshes[0].spec.solid"), "frame.edit.meshes[0].spec.solid");
 }
 
 }  // namespace
