@@ -8,6 +8,7 @@
 #include "gpu/scene/known_lengths.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/scene/shards/sharded_scene.hpp"
+#include "gpu/tables/solids.hpp"
 #include "gpu/tables/tables.hpp"
 
 namespace collided {
@@ -29,6 +30,10 @@ void check_meshes(const SceneSpec& spec) {
     const std::string field = "meshes[" + std::to_string(i) + "].vertex_count";
     if (spec.meshes[i].vertex_count == 0) throw InvalidInput(field, field + " is 0, at least 1 is needed");
   }
+}
+
+void check_solids(const SceneSpec& spec) {
+  for (const uint32_t mesh : solid_meshes(spec)) check_solid(spec.meshes[mesh], "meshes[" + std::to_string(mesh) + "]");
 }
 
 void check_devices(const SceneSpec& spec) {
@@ -66,6 +71,7 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec, std::function<bool()>
   asks.begin(std::move(cancelled));
   FeatureTables features = make_tables(spec, making, asks);
   check_size(spec, features.topology);
+  check_solids(spec);
   if (!spec.part_devices.empty()) return make_sharded_scene(std::move(spec), std::move(features));
   expect_known_lengths(spec, features.topology);
   return spec.device.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))

@@ -62,8 +62,11 @@ struct PairFilter {
     return (is_own || own.has(a, b)) && may_touch(a, b);
   }
   COLLIDED_HD bool may_touch(uint32_t a, uint32_t b) const {
+    return !has_rules() || may_touch_meshes(mesh_of(a), mesh_of(b));
+  }
+  /// Whether triangles of these meshes of a world may touch.
+  COLLIDED_HD bool may_touch_meshes(uint32_t mesh_a, uint32_t mesh_b) const {
     if (!has_rules()) return true;
-    const uint32_t mesh_a = mesh_of(a), mesh_b = mesh_of(b);
     const MeshRule p = rules[mesh_a], q = rules[mesh_b];
     if (mesh_a == mesh_b) return touches_itself(p);
     return collided::may_touch(p, q) && !excludes(mesh_a, mesh_b);

@@ -27,12 +27,12 @@ class ColumnsOnHost {
   void take(AnswerRoom& room, uint64_t beside) { memory_ = room.take(bytes_, beside); }
   const std::shared_ptr<std::byte>& memory() const { return memory_; }
 
-  /// copy(to, from, bytes) for each column.
+  /// copy(to, from, bytes) for each column that the backend fills in. Signed distances are the host's.
   template <class Copy>
   void for_each(const Copy& copy) const {
     for_each_field(
-        [&](ContactField, const auto& place) {
-          if (place.from != nullptr) copy(memory_.get() + place.offset, place.from, place.bytes(count_));
+        [&](ContactField field, const auto& place) {
+          if (place.from != nullptr && field != ContactField::kSignedDistance) copy(memory_.get() + place.offset, place.from, place.bytes(count_));
         },
         places_);
   }

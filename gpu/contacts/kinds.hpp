@@ -72,8 +72,7 @@ inline bool looks_into_solids(const SceneSpec& spec) {
 inline PerKind<bool> kinds_looked_for(const SceneSpec& spec) {
   PerKind<bool> kinds = spec.kinds;
   kinds.vertex_solid = false;
-  kinds.edge_triangle = kinds.edge_triangle || tells_features(spec) || spec.pair_states ||
-                        tells_signed_distances(spec) || kinds == PerKind<bool>{};
+  kinds.edge_triangle = kinds.edge_triangle || tells_features(spec) || spec.pair_states || tells_signed_distances(spec);
   return kinds;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <climits>
 #include <cmath>
 #include <cstdint>
 
@@ -23,34 +22,6 @@ Binary to_binary(double x) {
   return {odd / (int64_t{1} << zeros), exponent - 53 + zeros};
 }
 
-/// The unit in which all numbers seen are integers: the smallest exponent of theirs.
-class Unit {
- public:
-  void see(double x) {
-    if (x != 0) exponent_ = std::min(exponent_, to_binary(x).exponent);
-  }
-  void see(std::span<const Vec3<double>> points) {
-    for (const Vec3<double>& p : points)
-      for (const double x : {p.x, p.y, p.z}) see(x);
-  }
-  void see(const ContactDistance& x) {
-    for (const double part : {x.thickness, x.first, x.second}) see(part);
-  }
-  Number operator()(double x) const {
-    const Binary b = to_binary(x);
-    return b.odd == 0 ? Number() : Number(b.odd) << static_cast<mp_bitcnt_t>(b.exponent - exponent_);
-  }
-  Number operator()(const ContactDistance& x) const {
-    Number sum = (*this)(x.thickness);
-    sum += (*this)(x.first);
-    sum += (*this)(x.second);
-    return sum;
-  }
-
- private:
-  int exponent_ = INT_MAX;
-};
-
 template <class X>
 Form form(const Unit& unit, const X& x) {
   return {{unit(x)}};
@@ -61,6 +32,20 @@ Form form(const Unit& unit, const X& start, const X& end) {
 }
 
 }  // namespace
+
+void Unit::see(double x) {
+  if (x != 0) exponent_ = std::min(exponent_, to_binary(x).exponent);
+}
+Number Unit::operator()(double x) const {
+  const Binary b = to_binary(x);
+  return b.odd == 0 ? Number() : Number(b.odd) << static_cast<mp_bitcnt_t>(b.exponent - exponent_);
+}
+Number Unit::operator()(const ContactDistance& x) const {
+  Number sum = (*this)(x.thickness);
+  sum += (*this)(x.first);
+  sum += (*this)(x.second);
+  return sum;
+}
 
 ExactQuery at_rest(const Vec3<double> (&points)[4], const ContactDistance& limit) {
   Unit unit;
@@ -91,7 +76,7 @@ std::vector<Vec3<Number>> integers(std::span<const Vec3<double>> points) {
   Unit unit;
   unit.see(points);
   std::vector<Vec3<Number>> result;
-  for (const Vec3<double>& p : points) result.push_back({unit(p.x), unit(p.y), unit(p.z)});
+  for (const Vec3<double>& p : points) result.push_back(unit(p));
   return result;
 }
 

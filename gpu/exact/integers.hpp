@@ -2,6 +2,7 @@
 // Doubles as integers: all of a query's numbers times one power of two. The decisions do not depend on the unit.
 
 #include <array>
+#include <climits>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,26 @@ using ExactQuery = QueryOf<Form>;
 
 ExactQuery at_rest(const Vec3<double> (&points)[4], const ContactDistance& limit);
 ExactQuery in_motion(const Vec3<double> (&start)[4], const Vec3<double> (&end)[4], const ContactDistance& limit);
+
+/// The unit in which all numbers seen are integers: the smallest exponent of theirs.
+class Unit {
+ public:
+  void see(double x);
+  void see(const Vec3<double>& p) { see(p.x), see(p.y), see(p.z); }
+  void see(std::span<const Vec3<double>> points) {
+    for (const Vec3<double>& p : points) see(p);
+  }
+  void see(const ContactDistance& x) { see(x.thickness), see(x.first), see(x.second); }
+  /// Of numbers seen.
+  Number operator()(double x) const;
+  Number operator()(const ContactDistance& x) const;
+  /// The unit is 2^exponent, if a number other than 0 was seen.
+  int exponent() const { return exponent_; }
+  Vec3<Number> operator()(const Vec3<double>& p) const { return {(*this)(p.x), (*this)(p.y), (*this)(p.z)}; }
+
+ private:
+  int exponent_ = INT_MAX;
+};
 
 /// Returns the points in one unit, in which all coordinates are integers.
 std::vector<Vec3<Number>> integers(std::span<const Vec3<double>> points);

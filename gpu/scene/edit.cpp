@@ -1,12 +1,14 @@
 #include "gpu/scene/edit.hpp"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 
 #include "gpu/base/text.hpp"
 #include "gpu/scene/rules.hpp"
 #include "gpu/tables/exclusions.hpp"
+#include "gpu/tables/solids.hpp"
 
 namespace collided {
 namespace {
@@ -36,6 +38,7 @@ class Editor {
     out_.spec = spec;
     out_.first.assign(spec.meshes.size(), false);
     out_.begins_at_rest.assign(spec.meshes.size(), false);
+    out_.new_solids.assign(spec.meshes.size(), false);
     changed_.assign(spec.meshes.size(), false);
     needs_start_.assign(spec.meshes.size(), false);
   }
@@ -83,8 +86,10 @@ class Editor {
                                       " gets another number of vertices, and nothing tells where they begin");
       }
       const bool is_whole = !updates[i].end.empty() && !updates[i].is_sparse;
-      if (is_whole && out_.spec.meshes[mesh].motion != MeshMotion::kDeformable)
+      if (is_whole && out_.spec.meshes[mesh].motion != MeshMotion::kDeformable) {
         out_.first[mesh] = out_.begins_at_rest[mesh] = true;
+        out_.new_solids[mesh] = out_.spec.meshes[mesh].solid;
+      }
     }
   }
 
@@ -97,6 +102,7 @@ class Editor {
     check_rest_distance(out_.spec);
     if (std::all_of(out_.spec.meshes.begin(), out_.spec.meshes.end(), is_removed))
       throw InvalidInput("edit.meshes", "edit.meshes leaves the scene without a mesh");
+    check_new_solids(topology);
     for (size_t mesh = 0; out_.changes_features && mesh < out_.spec.meshes.size(); ++mesh)
       if (MeshSpec& kept = out_.spec.meshes[mesh]; !is_removed(kept) && count_elements(kept) == 0)
         fill_elements(topology, mesh, kept);
@@ -110,6 +116,7 @@ class Editor {
     out_.spec.meshes.emplace_back();
     out_.first.push_back(false);
     out_.begins_at_rest.push_back(false);
+    out_.new_solids.push_back(false);
     changed_.push_back(false);
     needs_start_.push_back(false);
   }
@@ -142,7 +149,17 @@ class Editor {
     const bool changes_distance = has_own_distance && edit.spec.half_thickness != mesh.half_thickness;
     out_.begins_at_rest[edit.mesh] = moves || !keeps_elements || !mesh.excludes_rest_pairs || changes_distance;
     out_.changes_features |= !keeps_elements;
+    out_.new_solids[edit.mesh] = edit.spec.solid && (moves || !keeps_elements || !mesh.solid);
     mesh = edit.spec;
+    fields_[edit.mesh] = field + ".spec";
+  }
+  void check_new_solids(const Topology& topology) const {
+    for (const auto& [number, field] : fields_) {
+      if (!out_.new_solids[number]) continue;
+      MeshSpec mesh = out_.spec.meshes[number];
+      if (count_elements(mesh) == 0) fill_elements(topology, number, mesh);
+      check_solid(mesh, field);
+    }
   }
 
   void check_pair(const std::string& field, const MeshPair& pair) const {
@@ -158,6 +175,7 @@ class Editor {
 
   EditedScene out_;
   std::vector<bool> changed_, needs_start_;
+  std::map<uint32_t, std::string> fields_;  ///< of meshes that are replaced, where the edit has them
 };
 
 }  // namespace

@@ -12,6 +12,7 @@ struct EditedScene {
   SceneSpec spec;                    ///< with the elements of all meshes, where features change
   bool changes_features = false;     ///< meshes come or go, or have other elements
   FirstMeshes first;                 ///< meshes that have their first positions in the edit's frame
+  std::vector<bool> new_solids;      ///< solids whose volumes have to be looked at in that frame
   std::vector<bool> begins_at_rest;  ///< meshes whose rest pairs, if they exclude any, are those of that frame
 };
 

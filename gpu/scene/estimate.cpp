@@ -70,8 +70,18 @@ class SceneDryRun {
     const bool is_thick = thickest_of(spec_) > 0;
     if (is_thick || tells_features(spec_)) tables.first_vertex.allocate(spec_.meshes.size());
     if (is_thick) tables.half_thickness.allocate(spec_.meshes.size());
+    reserve_solids();
     scene_.reserve_boxes(counts_.triangles, counts_.vertices);
     if (spec_.worlds > 0) scene_.worlds.reserve(spec_.worlds);
+  }
+  /// Which triangles are of solids is not known. A closed mesh without holes has about twice as many as vertices.
+  void reserve_solids() {
+    if (!looks_into_solids(spec_) || !has_solids(spec_)) return;
+    uint64_t of_solids = 0;
+    for (const MeshSpec& mesh : spec_.meshes) of_solids += mesh.solid ? uint64_t{mesh.vertex_count} : 0;
+    scene_.topology.solid_triangles.allocate(
+        std::clamp(2 * of_solids, uint64_t{4}, max(counts_.triangles, uint64_t{4})));
+    scene_.topology.solid_vertices.allocate(counts_.vertices);
   }
   /// As ResidentPositions does for a frame with the positions at t = 1.
   void reserve_positions() {

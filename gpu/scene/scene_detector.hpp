@@ -28,7 +28,8 @@ class SceneDetector final : public Detector {
         positions_(exec_, model_.shape(), scene_),
         pipeline_(exec_, spec_, model_.counts(), scene_),
         rest_pairs_(exec_, spec_, scene_, pipeline_),
-        edits_(exec_, model_, positions_, pipeline_, rest_pairs_),
+        volumes_(exec_, model_, scene_),
+        edits_(exec_, model_, positions_, pipeline_, rest_pairs_, volumes_),
         advances_(exec_, model_, shard, positions_, pipeline_),
         told_(spec_.expected) {
     if (shard_ != nullptr) scene_.share.take(shard_->share);
@@ -120,6 +121,7 @@ class SceneDetector final : public Detector {
       positions_.check_start_fraction(frame.start_fraction);
       positions_.require(*slot, frame);
       positions_.place(*slot, frame, settings.is_ccd());
+      volumes_.check();
     });
     if (worlds) return detect_worlds(std::move(*worlds), *slot, settings, frame.bytes_beside_contact);
     RestCosts rest;
@@ -135,6 +137,7 @@ class SceneDetector final : public Detector {
     exec_.asks().no_more();
     positions_.commit(*slot);
     rest_pairs_.settle();
+    volumes_.settle();
     return result;
   }
 
@@ -211,6 +214,7 @@ class SceneDetector final : public Detector {
   ResidentPositions<Exec, Real> positions_;
   Pipeline<Exec, Real> pipeline_;
   RestPairs<Exec, Real> rest_pairs_;
+  SolidVolumes<Exec, Real> volumes_;
   SceneEdits<Exec, Real> edits_;
   Advances<Exec, Real> advances_;
   FrameChecks checks_;

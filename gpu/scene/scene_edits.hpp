@@ -8,6 +8,7 @@
 #include "gpu/scene/resident_positions.hpp"
 #include "gpu/scene/rest_pairs.hpp"
 #include "gpu/scene/scene_model.hpp"
+#include "gpu/scene/solid_volumes.hpp"
 #include "gpu/step/pipeline.hpp"
 #include "gpu/tables/tables.hpp"
 
@@ -17,8 +18,13 @@ template <Executor Exec, class Real>
 class SceneEdits {
  public:
   SceneEdits(Exec& exec, SceneModel<Exec, Real>& model, ResidentPositions<Exec, Real>& positions,
-             Pipeline<Exec, Real>& pipeline, RestPairs<Exec, Real>& rest_pairs)
-      : exec_(exec), model_(model), positions_(positions), pipeline_(pipeline), rest_pairs_(rest_pairs) {}
+             Pipeline<Exec, Real>& pipeline, RestPairs<Exec, Real>& rest_pairs, SolidVolumes<Exec, Real>& volumes)
+      : exec_(exec),
+        model_(model),
+        positions_(positions),
+        pipeline_(pipeline),
+        rest_pairs_(rest_pairs),
+        volumes_(volumes) {}
 
   /// Edits the scene as the frame says; detect() then finds the contacts of the edited one.
   template <class Detect>
@@ -65,12 +71,14 @@ class SceneEdits {
     positions_.edit(saved, before.buffers, before.shape.vertex_offset, std::move(edited.first));
     rest_pairs_.edit(before.buffers.topology.rest_pairs, IdShift(before.topology, model_.topology()),
                      edited.begins_at_rest);
+    volumes_.expect(std::move(edited.new_solids));
   }
   void undo(Parts& before, Saved saved) {
     model_.swap(before);
     pipeline_.resize(model_.topology());
     positions_.restore(std::move(saved));
     rest_pairs_.settle();
+    volumes_.settle();
   }
   /// Releases lists that a much larger scene needed.
   void release_unneeded() {
@@ -86,6 +94,7 @@ class SceneEdits {
   ResidentPositions<Exec, Real>& positions_;
   Pipeline<Exec, Real>& pipeline_;
   RestPairs<Exec, Real>& rest_pairs_;
+  SolidVolumes<Exec, Real>& volumes_;
   size_t most_triangles_ = model_.topology().triangles.size();  ///< since lists were released
 };
 

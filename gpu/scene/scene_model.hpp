@@ -10,6 +10,7 @@
 #include "gpu/positions/slot.hpp"
 #include "gpu/state/buffers.hpp"
 #include "gpu/tables/exclusions.hpp"
+#include "gpu/tables/solid_tables.hpp"
 #include "gpu/tables/topology.hpp"
 
 namespace collided {
@@ -70,6 +71,7 @@ class SceneModel {
     send(resident.fan_elements, features.fans.elements);
     send_rules(features.rings);
     send_halves();
+    send_solids();
   }
   /// The same with the features of `before`.
   void take_rules(SceneSpec spec, const Parts& before, const RingTables& rings) {
@@ -83,6 +85,7 @@ class SceneModel {
     copy(buffers_.topology.fan_elements, before.buffers.topology.fan_elements);
     send_rules(rings);
     send_halves();
+    send_solids();
   }
 
  private:
@@ -118,6 +121,13 @@ class SceneModel {
     std::vector<double> halves;
     for (const MeshSpec& mesh : spec().meshes) halves.push_back(mesh.half_thickness);
     send(buffers_.topology.half_thickness, halves);
+  }
+  void send_solids() {
+    ResidentTopology<Exec>& resident = buffers_.topology;
+    SolidTables tables = make_solid_tables(spec(), topology_);
+    send(resident.solid_triangles, tables.triangles);
+    send(resident.solid_vertices, tables.vertices);
+    resident.solids = std::move(tables.meshes);
   }
   static std::vector<uint32_t> vertex_offsets(const Topology& topology, uint32_t worlds) {
     std::vector<uint32_t> offsets = {0};

@@ -7,6 +7,7 @@
 
 #include "gpu/base/half_thickness.hpp"
 #include "gpu/base/mesh_turns.hpp"
+#include "gpu/base/solids.hpp"
 #include "gpu/boxes/measure.hpp"
 #include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/order.hpp"
@@ -53,7 +54,9 @@ struct ResidentTopology {
         group_of(exec, "advance"),
         rest_pairs(exec, "rest_pairs"),
         fan_begin(exec, "fans"),
-        fan_elements(exec, "fans") {}
+        fan_elements(exec, "fans"),
+        solid_triangles(exec, "solids"),
+        solid_vertices(exec, "solids") {}
 
   PairFilter filter() const {
     return {mesh_of_triangle.data(), rules.data(), {excluded_meshes.all()}, shape.is_one() ? 0 : shape.triangles};
@@ -98,6 +101,9 @@ struct ResidentTopology {
   Buffer<uint64_t, Exec> rest_pairs;  ///< slots of a KeySet, those of the first frame
   Buffer<uint32_t, Exec> fan_begin;   ///< of each vertex; scenes that tell features have these two
   Buffer<uint32_t, Exec> fan_elements;
+  SolidMeshes solids;  ///< on the host; scenes that look into solids have these three (SolidTables)
+  Buffer<SolidTriangle, Exec> solid_triangles;
+  Buffer<MeshVertex, Exec> solid_vertices;
 };
 
 /// Candidates of one kind on their way through the narrow phase.

@@ -81,7 +81,8 @@ struct LevelNeeds {
     if (is_ccd()) present = present.with(ContactField::kToi);
     if (is_of_features(kind) && tells_features) present = present.with(ContactField::kFeatures);
     if (is_any_hit()) return present;  // no contact is returned
-    if (is_of_features(kind) && tells_signed) present = present.with(ContactField::kSignedDistance);
+    if (is_of_features(kind) && tells_signed)
+      present = present.with(ContactField::kDistance).with(ContactField::kSignedDistance);
     for (const ContactField field : {ContactField::kDistance, ContactField::kWeights, ContactField::kNormals})
       if (fields.has(field)) present = present.with(field);
     return present;

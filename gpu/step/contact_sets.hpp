@@ -21,7 +21,8 @@ size_t count_open(const ContactSet& set, const std::vector<size_t>& places);
 void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places, const std::vector<ExactAnswer>& answers,
            const std::vector<Normal>& normals);
 
-/// Takes what exact arithmetic says of the edges and triangles at `places`: what does not cross goes, the rest is certain.
+/// Takes what exact arithmetic says of the edges and triangles at `places`: what does not cross goes, the rest is
+/// certain.
 void apply(CpuLoops& loops, ContactSet& set, const std::vector<size_t>& places,
            const std::vector<EdgeTriangleVerdict>& verdicts);
 

@@ -14,6 +14,7 @@
 #include "gpu/step/placing.hpp"
 #include "gpu/step/plan/step_planner.hpp"
 #include "gpu/step/results.hpp"
+#include "gpu/step/solid_results.hpp"
 #include "gpu/step/step_run.hpp"
 
 namespace collided {
@@ -40,6 +41,7 @@ class Pipeline {
         cover_(exec, scene),
         placing_(exec, scene),
         results_(exec, spec, scene, placing_),
+        solids_(exec, spec, scene, results_),
         planner_(spec, planned_scene()) {
     narrow_.expect_loose_elements(counts_.has_loose_elements());
     scene_.expected = spec.expected;
@@ -126,6 +128,7 @@ class Pipeline {
     neighbours_.release();
     searcher_.release();
     placing_.begin_anew();
+    solids_.release();
     boxed_.reset();
     planner_.forget_lists();
   }
@@ -167,6 +170,9 @@ class Pipeline {
     needed_.include(lengths_of(found()));
     FrameResult result = describe();
     results_.collect(found(), needs, {bytes_beside_contact, room.first_on_host}, result);
+    if (needs.looks_into_solids) solids_.look(needs, result);
+    results_.place();
+    if (needs.looks_into_solids) solids_.tell(result);
     result.stages = exec_.stage_times();
     result.allocations = exec_.allocations();
     // Steps by parts take longer than recorded ones.
@@ -293,7 +299,8 @@ class Pipeline {
     run_.mark_begun();
     if (plan_.makes_lists()) list_neighbours();
     if (needs().advances) shorten_.begin_ways();
-    if (!plan_.is_idle) needs().advances ? contacts_.detect_blocking(shorten_) : contacts_.detect_all();
+    if (!plan_.is_idle && needs().kinds != PerKind<bool>{})
+      needs().advances ? contacts_.detect_blocking(shorten_) : contacts_.detect_all();
     if (!needs().tells_contacts) return;
     if (needs().is_earliest_only()) contacts_.keep_earliest();
     if (run_.is_by_parts()) plan_order();
@@ -385,6 +392,7 @@ class Pipeline {
   CoverPhase<Exec, Real> cover_;
   Placing<Exec, Real> placing_;
   Results<Exec, Real> results_;
+  SolidResults<Exec, Real> solids_;
   StepPlanner planner_;
   PlanNumbers numbers_;
   StepPlan plan_;                  ///< of the last step

@@ -15,6 +15,7 @@
 #include "gpu/state/level_needs.hpp"
 #include "gpu/step/contact_sets.hpp"
 #include "gpu/step/cover_phase.hpp"
+#include "gpu/step/pair_states.hpp"
 #include "gpu/step/placing.hpp"
 
 namespace collided {
@@ -82,6 +83,8 @@ class Results {
     host_ = host;
     result_ = &result;
     is_settled_ = false;
+    crossings_ = {};
+    ties_.clear();
     if (needs_.is_any_hit() && (!needs_.settles() || step.shortcut.has_contact != 0)) {
       result.any_contact = step.shortcut.has_contact != 0;
       return;
@@ -92,9 +95,26 @@ class Results {
     if (needs_.is_exact()) settle_all(step);
     if (needs_.tests_crossings()) exec_.stage("exact", [&] { settle_crossings(); });
     if (needs_.tells_features) settle_covered(step);
+    crossings_ = result.edge_triangle;
+    if (!spec_.kinds.edge_triangle) result.edge_triangle = {};
     report();
-    if (needs_.keeps_contacts()) exec_.stage("place", [&] { place_settled(); });
   }
+  /// Puts contacts that the host has decided where they are to stay.
+  void place() {
+    if (needs_.keeps_contacts() && !needs_.places_contacts()) exec_.stage("place", [&] { place_settled(); });
+  }
+  /// Returns `count` vertices in solids, which lie in these columns, on the host. Their memory is held by themselves.
+  ContactSet bring_inside(const ContactColumns& columns, uint64_t count) {
+    const ColumnsOnHost host = bring(columns, 0, count, count * host_.bytes_beside_contact);
+    exec_.wait();
+    return host.contacts(0, count, needs_.fields_of(ContactKind::kVertexSolid));
+  }
+  /// Returns the first contacts of a kind, as many as are to come to the host besides those that stay on the backend.
+  uint64_t first_on_host() const { return host_.first; }
+  /// Edges that go through triangles, in a frame that looks for them, whoever asks.
+  const ContactSet& crossings() const { return crossings_; }
+  /// Edges and triangles with a point in common whose relation is a tie, some crossings among them.
+  const std::vector<EdgeAndTriangle>& ties() const { return ties_; }
 
  private:
   static constexpr size_t kSettledAtATime = 1u << 14;  ///< contacts, whose points take memory
@@ -185,7 +205,7 @@ class Results {
           send(set, count);
           count += set.size();
         },
-        contacts());
+        contacts());  // vertices in solids are not among them yet
     StepState* state = scene_.state.data();
     exec_.upload(&state->kinds, &kinds, sizeof(kinds));
     exec_.upload(needs_.is_earliest_only() ? &state->earliest : &state->contacts, &count, sizeof(count));
@@ -222,7 +242,6 @@ class Results {
   /// The step has told them, but for what only the host can decide: that may be what covers a contact.
   void settle_covered(const StepState& step) {
     if (is_settled_ || step.open_features > 0) exec_.stage("cover", [&] { cover_anew(step.open_features > 0); });
-    if (!spec_.kinds.edge_triangle) result_->edge_triangle = {};
   }
   void cover_anew(bool has_open) {
     if (has_open)
@@ -329,9 +348,17 @@ class Results {
     result_->counts.exact_decisions += settle(
         set, [&](size_t count) { verdicts.resize(count); },
         [&](const auto& keys, size_t first) { decide_crossings(keys, verdicts.data() + first); },
-        [&](const auto& places) { apply(exec_.host_loops(), set, places, verdicts); });
+        [&](const auto& places) {
+          if (needs_.tells_states) list_ties(set, places, verdicts);
+          apply(exec_.host_loops(), set, places, verdicts);
+        });
     for (const EdgeTriangleVerdict& verdict : verdicts) result_->any_contact = result_->any_contact || verdict.meets;
     if (!spec_.kinds.edge_triangle) result_->any_contact = had_contact;  // nobody asks
+  }
+  void list_ties(const ContactSet& set, const std::vector<size_t>& places,
+                 const std::vector<EdgeTriangleVerdict>& verdicts) {
+    for (size_t k = 0; k < places.size(); ++k)
+      if (verdicts[k].meets) ties_.push_back(set.elements[places[k]]);
   }
   /// begin(count of what is undecided), then decide(keys, index of the first), then apply(places).
   template <class Begin, class Decide, class Apply>
@@ -476,6 +503,8 @@ class Results {
   HostNeeds host_;
   FrameResult* result_ = nullptr;
   bool is_settled_ = false;  ///< the host has decided of some contacts
+  ContactSet crossings_;
+  std::vector<EdgeAndTriangle> ties_;
 };
 
 }  // namespace collided

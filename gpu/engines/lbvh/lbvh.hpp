@@ -85,9 +85,12 @@ struct MortonKeys {
 
   COLLIDED_HD static uint64_t key_of(const Box<float>& box, const Box<float>& bounds, const MeanExtent& mean,
                                      int axis_bits, const BvhBranches& branches, uint32_t triangle) {
-    const Coords c = shifted(grid_over(bounds, 0, 0).deepest_cell(centre(box)), kDeepest - axis_bits);
     const uint64_t large = mean.is_exceeded(box, kMuchLarger) ? 1 : 0;
-    return (large << branches.bits | branches.of(triangle)) << (3 * axis_bits) | long_morton(c);
+    return (large << branches.bits | branches.of(triangle)) << (3 * axis_bits) | morton_of(box, bounds, axis_bits);
+  }
+  /// Of the box's centre, so many bits an axis.
+  COLLIDED_HD static uint64_t morton_of(const Box<float>& box, const Box<float>& bounds, int axis_bits) {
+    return long_morton(shifted(grid_over(bounds, 0, 0).deepest_cell(centre(box)), kDeepest - axis_bits));
   }
 
  private:
@@ -164,6 +167,7 @@ struct BuildHierarchy {
   Span<BvhNode> nodes;
   PairFilter filter = {};
   Span<MeshesTogether> meshes = {};  ///< below each node; empty: not needed
+  uint32_t* top = nullptr;           ///< where the root's left child goes; null: nobody asks
 
   COLLIDED_HD void operator()(uint64_t i) const {
     uint32_t first = static_cast<uint32_t>(i), last = first, child = BvhNode::kLeaf | triangles[i];
@@ -182,6 +186,7 @@ struct BuildHierarchy {
       if (!meshes.empty()) below.add(meshes[node ^ 1u]);
       child = 2 * split;
     }
+    if (top != nullptr) *top = child;
   }
 };
 

@@ -13,12 +13,12 @@ namespace collided {
 /// The bounding volume hierarchy of one frame.
 template <Executor Exec>
 struct BvhBuffers {
-  explicit BvhBuffers(Exec& exec)
-      : keys{{exec, "bvh"}, {exec, "bvh"}},
-        triangles{{exec, "bvh"}, {exec, "bvh"}},
-        meeting(exec, "bvh"),
-        nodes(exec, "bvh"),
-        meshes(exec, "bvh") {}
+  explicit BvhBuffers(Exec& exec, const char* part = "bvh")
+      : keys{{exec, part}, {exec, part}},
+        triangles{{exec, part}, {exec, part}},
+        meeting(exec, part),
+        nodes(exec, part),
+        meshes(exec, part) {}
 
   void reserve(uint64_t leaves, bool keeps_meshes) {
     for (auto& buffer : keys) buffer.allocate(leaves);

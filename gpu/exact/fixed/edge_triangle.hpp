@@ -56,6 +56,8 @@ class EdgePart {
     cut(f);
     cut({-f.at_u, -f.at_v});
   }
+  /// Returns the first point, by weights of u and v that are not negative and whose sum is not 0.
+  COLLIDED_HD OnEdge<Int> first() const { return {first_.u, first_.v}; }
   /// Returns the middle's position on the edge, from 0 at u to 1 at v.
   COLLIDED_HD double middle() const { return 0.5 * (ratio(first_.v, first_.sum()) + ratio(last_.v, last_.sum())); }
   /// Returns f / total at the middle; they have one sign, and |f| <= |total| on this part.
@@ -91,7 +93,8 @@ class EdgeTriangle {
     const int s[3] = {sides[0].sign(), sides[1].sign(), sides[2].sign()};
     if (s[0] * s[1] < 0 || s[1] * s[2] < 0 || s[2] * s[0] < 0) return verdict;
     if (at_u.is_zero() && at_v.is_zero()) {
-      if (!find_common_part(normal, verdict)) return verdict;
+      EdgePart<Area> part;
+      if (!find_common_part(normal, part, verdict)) return verdict;
     } else {
       const Volume all = at_u - at_v;  // but for the sign, the sum of the sides' volumes, too
       verdict.along = ratio(at_u, all);
@@ -103,6 +106,18 @@ class EdgeTriangle {
     verdict.crosses = !verdict.touches || crosses_with_ties(side_of_u, at_v.sign(), s);
     verdict.from_front = verdict.crosses && side_of_u > 0;
     return verdict;
+  }
+  /// Returns a common point of an edge and a triangle that meet, exactly, by weights of u and v that are not negative
+  /// and whose sum is not 0. For integers of any size.
+  OnEdge<Int> common_point() const {
+    const Vec3<Area> normal = wide_cross(p_[kB] - p_[kA], p_[kC] - p_[kA]);
+    const Volume at_u = wide_dot(p_[kU] - p_[kA], normal), at_v = wide_dot(p_[kV] - p_[kA], normal);
+    if (at_u.is_negative() || at_v.sign() > 0) return {at_v, -at_u};
+    if (at_u.sign() > 0 || at_v.is_negative()) return {-at_v, at_u};
+    EdgePart<Area> part;
+    EdgeTriangleVerdict verdict;
+    find_common_part(normal, part, verdict);
+    return part.first();
   }
 
  private:
@@ -127,15 +142,16 @@ class EdgeTriangle {
 
   // The rest handles an edge in the plane of T.
 
-  COLLIDED_HD COLLIDED_CALLED bool find_common_part(const Vec3<Area>& normal, EdgeTriangleVerdict& verdict) const {
-    return is_zero(normal) ? find_part_of_segment(verdict) : find_part_in_face(normal, verdict);
+  COLLIDED_HD COLLIDED_CALLED bool find_common_part(const Vec3<Area>& normal, EdgePart<Area>& part,
+                                                    EdgeTriangleVerdict& verdict) const {
+    return is_zero(normal) ? find_part_of_segment(part, verdict) : find_part_in_face(normal, part, verdict);
   }
   /// Works in the projection along an axis that leaves T an area.
-  COLLIDED_HD bool find_part_in_face(const Vec3<Area>& normal, EdgeTriangleVerdict& verdict) const {
+  COLLIDED_HD bool find_part_in_face(const Vec3<Area>& normal, EdgePart<Area>& part,
+                                     EdgeTriangleVerdict& verdict) const {
     const int axis = !normal.x.is_zero() ? 0 : !normal.y.is_zero() ? 1 : 2;
     const Area& area = component(normal, axis);
     const OnEdge<Area> f[3] = {area_with(kB, kC, axis), area_with(kC, kA, axis), area_with(kA, kB, axis)};
-    EdgePart<Area> part;
     for (int i = 0; i < 3; ++i) part.cut(area.is_negative() ? OnEdge<Area>{-f[i].at_u, -f[i].at_v} : f[i]);
     if (part.is_empty()) return false;
     verdict.along = part.middle();
@@ -143,7 +159,7 @@ class EdgeTriangle {
     return true;
   }
   /// Takes T for the segment p q from its least to its greatest corner, or for a point.
-  COLLIDED_HD bool find_part_of_segment(EdgeTriangleVerdict& verdict) const {
+  COLLIDED_HD bool find_part_of_segment(EdgePart<Area>& part, EdgeTriangleVerdict& verdict) const {
     int least = kA, greatest = kA;
     for (int i = kB; i <= kC; ++i) {
       if (is_before(p_[i], p_[least])) least = i;
@@ -157,7 +173,6 @@ class EdgeTriangle {
     const OnEdge<Area> from_p{wide_dot(d, pu), wide_dot(d, pv)};
     const Area length = wide_dot(d, pq);
     const OnEdge<Area> to_q{length - from_p.at_u, length - from_p.at_v};
-    EdgePart<Area> part;
     part.cut_to_zero({off_u.x, off_v.x});
     part.cut_to_zero({off_u.y, off_v.y});
     part.cut_to_zero({off_u.z, off_v.z});

@@ -54,19 +54,28 @@ COLLIDED_HD COLLIDED_CALLED int sign_of_tie(const Vec3<Int>& p0, const Vec3<Int>
   return last.is_zero() ? 1 : last.sign();
 }
 
+/// Sorts the indices of `ids`, all different, by these. Returns 1 for an even permutation and -1 for an odd one.
+template <int n>
+COLLIDED_HD int sort_by_ids(const uint32_t (&ids)[n], int (&order)[n]) {
+  int parity = 1;
+  for (int i = 0; i < n; ++i) order[i] = i;
+  for (int last = n - 1; last > 0; --last)
+    for (int i = 0; i < last; ++i)
+      if (ids[order[i]] > ids[order[i + 1]]) {
+        const int after = order[i];
+        order[i] = order[i + 1], order[i + 1] = after, parity = -parity;
+      }
+  return parity;
+}
+
 /// Returns the sign of the volume of points a b c d, 1 or -1, with ties broken. `volume_sign` is its real sign; `ids`
 /// are the points' ids, all different.
 template <class Int>
 COLLIDED_HD COLLIDED_CALLED int sign_with_ties(int volume_sign, const Vec3<Int>* const (&points)[4],
                                                const uint32_t (&ids)[4]) {
   if (volume_sign != 0) return volume_sign;
-  int order[4] = {0, 1, 2, 3}, parity = 1;
-  for (int last = 3; last > 0; --last)
-    for (int i = 0; i < last; ++i)
-      if (ids[order[i]] > ids[order[i + 1]]) {
-        const int after = order[i];
-        order[i] = order[i + 1], order[i + 1] = after, parity = -parity;
-      }
+  int order[4];
+  const int parity = sort_by_ids(ids, order);
   return parity * sign_of_tie(*points[order[0]], *points[order[1]], *points[order[2]], *points[order[3]]);
 }
 
