@@ -1988,6 +1988,7 @@ type StreamFramesResponse struct {
 	//	*StreamFramesResponse_WorldErrors
 	//	*StreamFramesResponse_Shortened
 	//	*StreamFramesResponse_Limits
+	//	*StreamFramesResponse_Pairs
 	Response isStreamFramesResponse_Response `protobuf_oneof:"response"`
 }
 
@@ -2100,6 +2101,13 @@ func (x *StreamFramesResponse) GetLimits() *ContactChunk {
 	return nil
 }
 
+func (x *StreamFramesResponse) GetPairs() *MeshPairs {
+	if x, ok := x.GetResponse().(*StreamFramesResponse_Pairs); ok {
+		return x.Pairs
+	}
+	return nil
+}
+
 type isStreamFramesResponse_Response interface {
 	isStreamFramesResponse_Response()
 }
@@ -2149,6 +2157,11 @@ type StreamFramesResponse_Limits struct {
 	Limits *ContactChunk `protobuf:"bytes,10,opt,name=limits,proto3,oneof"`
 }
 
+type StreamFramesResponse_Pairs struct {
+	// Some of a frame's pairs of meshes; any number of messages, below 4 MiB each, before its `done`.
+	Pairs *MeshPairs `protobuf:"bytes,11,opt,name=pairs,proto3,oneof"`
+}
+
 func (*StreamFramesResponse_Opened) isStreamFramesResponse_Response() {}
 
 func (*StreamFramesResponse_Contacts) isStreamFramesResponse_Response() {}
@@ -2166,6 +2179,8 @@ func (*StreamFramesResponse_WorldErrors) isStreamFramesResponse_Response() {}
 func (*StreamFramesResponse_Shortened) isStreamFramesResponse_Response() {}
 
 func (*StreamFramesResponse_Limits) isStreamFramesResponse_Response() {}
+
+func (*StreamFramesResponse_Pairs) isStreamFramesResponse_Response() {}
 
 // Requests to watch a scene.
 type WatchSceneRequest struct {
@@ -2765,7 +2780,7 @@ var file_collided_v1_collision_service_proto_rawDesc = []byte{
 	0x61, 0x64, 0x6c, 0x69, 0x6e, 0x65, 0x5f, 0x73, 0x65, 0x63, 0x6f, 0x6e, 0x64, 0x73, 0x18, 0x01,
 	0x20, 0x01, 0x28, 0x01, 0x52, 0x0f, 0x64, 0x65, 0x61, 0x64, 0x6c, 0x69, 0x6e, 0x65, 0x53, 0x65,
 	0x63, 0x6f, 0x6e, 0x64, 0x73, 0x22, 0x0e, 0x0a, 0x0c, 0x46, 0x72, 0x61, 0x6d, 0x65, 0x53, 0x6b,
-	0x69, 0x70, 0x70, 0x65, 0x64, 0x22, 0xa6, 0x04, 0x0a, 0x14, 0x53, 0x74, 0x72, 0x65, 0x61, 0x6d,
+	0x69, 0x70, 0x70, 0x65, 0x64, 0x22, 0xd6, 0x04, 0x0a, 0x14, 0x53, 0x74, 0x72, 0x65, 0x61, 0x6d,
 	0x46, 0x72, 0x61, 0x6d, 0x65, 0x73, 0x52, 0x65, 0x73, 0x70, 0x6f, 0x6e, 0x73, 0x65, 0x12, 0x19,
 	0x0a, 0x08, 0x66, 0x72, 0x61, 0x6d, 0x65, 0x5f, 0x69, 0x64, 0x18, 0x01, 0x20, 0x01, 0x28, 0x04,
 	0x52, 0x07, 0x66, 0x72, 0x61, 0x6d, 0x65, 0x49, 0x64, 0x12, 0x33, 0x0a, 0x06, 0x6f, 0x70, 0x65,
@@ -2799,7 +2814,10 @@ var file_collided_v1_collision_service_proto_rawDesc = []byte{
 	0x06, 0x6c, 0x69, 0x6d, 0x69, 0x74, 0x73, 0x18, 0x0a, 0x20, 0x01, 0x28, 0x0b, 0x32, 0x19, 0x2e,
 	0x63, 0x6f, 0x6c, 0x6c, 0x69, 0x64, 0x65, 0x64, 0x2e, 0x76, 0x31, 0x2e, 0x43, 0x6f, 0x6e, 0x74,
 	0x61, 0x63, 0x74, 0x43, 0x68, 0x75, 0x6e, 0x6b, 0x48, 0x00, 0x52, 0x06, 0x6c, 0x69, 0x6d, 0x69,
-	0x74, 0x73, 0x42, 0x0a, 0x0a, 0x08, 0x72, 0x65, 0x73, 0x70, 0x6f, 0x6e, 0x73, 0x65, 0x22, 0x89,
+	0x74, 0x73, 0x12, 0x2e, 0x0a, 0x05, 0x70, 0x61, 0x69, 0x72, 0x73, 0x18, 0x0b, 0x20, 0x01, 0x28,
+	0x0b, 0x32, 0x16, 0x2e, 0x63, 0x6f, 0x6c, 0x6c, 0x69, 0x64, 0x65, 0x64, 0x2e, 0x76, 0x31, 0x2e,
+	0x4d, 0x65, 0x73, 0x68, 0x50, 0x61, 0x69, 0x72, 0x73, 0x48, 0x00, 0x52, 0x05, 0x70, 0x61, 0x69,
+	0x72, 0x73, 0x42, 0x0a, 0x0a, 0x08, 0x72, 0x65, 0x73, 0x70, 0x6f, 0x6e, 0x73, 0x65, 0x22, 0x89,
 	0x02, 0x0a, 0x11, 0x57, 0x61, 0x74, 0x63, 0x68, 0x53, 0x63, 0x65, 0x6e, 0x65, 0x52, 0x65, 0x71,
 	0x75, 0x65, 0x73, 0x74, 0x12, 0x19, 0x0a, 0x08, 0x73, 0x63, 0x65, 0x6e, 0x65, 0x5f, 0x69, 0x64,
 	0x18, 0x01, 0x20, 0x01, 0x28, 0x09, 0x52, 0x07, 0x73, 0x63, 0x65, 0x6e, 0x65, 0x49, 0x64, 0x12,
@@ -2987,10 +3005,11 @@ var file_collided_v1_collision_service_proto_goTypes = []interface{}{
 	(*FrameError)(nil),            // 41: collided.v1.FrameError
 	(*WorldErrors)(nil),           // 42: collided.v1.WorldErrors
 	(*ShortenedWays)(nil),         // 43: collided.v1.ShortenedWays
-	(*CreateScenesRequest)(nil),   // 44: collided.v1.CreateScenesRequest
-	(*DetectBatchRequest)(nil),    // 45: collided.v1.DetectBatchRequest
-	(*CreateScenesResponse)(nil),  // 46: collided.v1.CreateScenesResponse
-	(*DetectBatchResponse)(nil),   // 47: collided.v1.DetectBatchResponse
+	(*MeshPairs)(nil),             // 44: collided.v1.MeshPairs
+	(*CreateScenesRequest)(nil),   // 45: collided.v1.CreateScenesRequest
+	(*DetectBatchRequest)(nil),    // 46: collided.v1.DetectBatchRequest
+	(*CreateScenesResponse)(nil),  // 47: collided.v1.CreateScenesResponse
+	(*DetectBatchResponse)(nil),   // 48: collided.v1.DetectBatchResponse
 }
 var file_collided_v1_collision_service_proto_depIdxs = []int32{
 	33, // 0: collided.v1.Device.backend:type_name -> collided.v1.Backend
@@ -3024,41 +3043,42 @@ var file_collided_v1_collision_service_proto_depIdxs = []int32{
 	42, // 28: collided.v1.StreamFramesResponse.world_errors:type_name -> collided.v1.WorldErrors
 	43, // 29: collided.v1.StreamFramesResponse.shortened:type_name -> collided.v1.ShortenedWays
 	39, // 30: collided.v1.StreamFramesResponse.limits:type_name -> collided.v1.ContactChunk
-	36, // 31: collided.v1.WatchOpened.scene:type_name -> collided.v1.Scene
-	40, // 32: collided.v1.WatchSceneResponse.done:type_name -> collided.v1.FrameDone
-	30, // 33: collided.v1.WatchSceneResponse.opened:type_name -> collided.v1.WatchOpened
-	31, // 34: collided.v1.WatchSceneResponse.positions:type_name -> collided.v1.VertexSample
-	1,  // 35: collided.v1.CollisionService.GetServerInfo:input_type -> collided.v1.GetServerInfoRequest
-	6,  // 36: collided.v1.CollisionService.CreateScene:input_type -> collided.v1.CreateSceneRequest
-	44, // 37: collided.v1.CollisionService.CreateScenes:input_type -> collided.v1.CreateScenesRequest
-	8,  // 38: collided.v1.CollisionService.EstimateScene:input_type -> collided.v1.EstimateSceneRequest
-	11, // 39: collided.v1.CollisionService.UploadMesh:input_type -> collided.v1.UploadMeshRequest
-	13, // 40: collided.v1.CollisionService.GetScene:input_type -> collided.v1.GetSceneRequest
-	15, // 41: collided.v1.CollisionService.GetMesh:input_type -> collided.v1.GetMeshRequest
-	17, // 42: collided.v1.CollisionService.ListScenes:input_type -> collided.v1.ListScenesRequest
-	19, // 43: collided.v1.CollisionService.DeleteScene:input_type -> collided.v1.DeleteSceneRequest
-	21, // 44: collided.v1.CollisionService.DetectFrame:input_type -> collided.v1.DetectFrameRequest
-	45, // 45: collided.v1.CollisionService.DetectBatch:input_type -> collided.v1.DetectBatchRequest
-	24, // 46: collided.v1.CollisionService.StreamFrames:input_type -> collided.v1.StreamFramesRequest
-	29, // 47: collided.v1.CollisionService.WatchScene:input_type -> collided.v1.WatchSceneRequest
-	5,  // 48: collided.v1.CollisionService.GetServerInfo:output_type -> collided.v1.GetServerInfoResponse
-	7,  // 49: collided.v1.CollisionService.CreateScene:output_type -> collided.v1.CreateSceneResponse
-	46, // 50: collided.v1.CollisionService.CreateScenes:output_type -> collided.v1.CreateScenesResponse
-	10, // 51: collided.v1.CollisionService.EstimateScene:output_type -> collided.v1.EstimateSceneResponse
-	12, // 52: collided.v1.CollisionService.UploadMesh:output_type -> collided.v1.UploadMeshResponse
-	14, // 53: collided.v1.CollisionService.GetScene:output_type -> collided.v1.GetSceneResponse
-	16, // 54: collided.v1.CollisionService.GetMesh:output_type -> collided.v1.GetMeshResponse
-	18, // 55: collided.v1.CollisionService.ListScenes:output_type -> collided.v1.ListScenesResponse
-	20, // 56: collided.v1.CollisionService.DeleteScene:output_type -> collided.v1.DeleteSceneResponse
-	22, // 57: collided.v1.CollisionService.DetectFrame:output_type -> collided.v1.DetectFrameResponse
-	47, // 58: collided.v1.CollisionService.DetectBatch:output_type -> collided.v1.DetectBatchResponse
-	28, // 59: collided.v1.CollisionService.StreamFrames:output_type -> collided.v1.StreamFramesResponse
-	32, // 60: collided.v1.CollisionService.WatchScene:output_type -> collided.v1.WatchSceneResponse
-	48, // [48:61] is the sub-list for method output_type
-	35, // [35:48] is the sub-list for method input_type
-	35, // [35:35] is the sub-list for extension type_name
-	35, // [35:35] is the sub-list for extension extendee
-	0,  // [0:35] is the sub-list for field type_name
+	44, // 31: collided.v1.StreamFramesResponse.pairs:type_name -> collided.v1.MeshPairs
+	36, // 32: collided.v1.WatchOpened.scene:type_name -> collided.v1.Scene
+	40, // 33: collided.v1.WatchSceneResponse.done:type_name -> collided.v1.FrameDone
+	30, // 34: collided.v1.WatchSceneResponse.opened:type_name -> collided.v1.WatchOpened
+	31, // 35: collided.v1.WatchSceneResponse.positions:type_name -> collided.v1.VertexSample
+	1,  // 36: collided.v1.CollisionService.GetServerInfo:input_type -> collided.v1.GetServerInfoRequest
+	6,  // 37: collided.v1.CollisionService.CreateScene:input_type -> collided.v1.CreateSceneRequest
+	45, // 38: collided.v1.CollisionService.CreateScenes:input_type -> collided.v1.CreateScenesRequest
+	8,  // 39: collided.v1.CollisionService.EstimateScene:input_type -> collided.v1.EstimateSceneRequest
+	11, // 40: collided.v1.CollisionService.UploadMesh:input_type -> collided.v1.UploadMeshRequest
+	13, // 41: collided.v1.CollisionService.GetScene:input_type -> collided.v1.GetSceneRequest
+	15, // 42: collided.v1.CollisionService.GetMesh:input_type -> collided.v1.GetMeshRequest
+	17, // 43: collided.v1.CollisionService.ListScenes:input_type -> collided.v1.ListScenesRequest
+	19, // 44: collided.v1.CollisionService.DeleteScene:input_type -> collided.v1.DeleteSceneRequest
+	21, // 45: collided.v1.CollisionService.DetectFrame:input_type -> collided.v1.DetectFrameRequest
+	46, // 46: collided.v1.CollisionService.DetectBatch:input_type -> collided.v1.DetectBatchRequest
+	24, // 47: collided.v1.CollisionService.StreamFrames:input_type -> collided.v1.StreamFramesRequest
+	29, // 48: collided.v1.CollisionService.WatchScene:input_type -> collided.v1.WatchSceneRequest
+	5,  // 49: collided.v1.CollisionService.GetServerInfo:output_type -> collided.v1.GetServerInfoResponse
+	7,  // 50: collided.v1.CollisionService.CreateScene:output_type -> collided.v1.CreateSceneResponse
+	47, // 51: collided.v1.CollisionService.CreateScenes:output_type -> collided.v1.CreateScenesResponse
+	10, // 52: collided.v1.CollisionService.EstimateScene:output_type -> collided.v1.EstimateSceneResponse
+	12, // 53: collided.v1.CollisionService.UploadMesh:output_type -> collided.v1.UploadMeshResponse
+	14, // 54: collided.v1.CollisionService.GetScene:output_type -> collided.v1.GetSceneResponse
+	16, // 55: collided.v1.CollisionService.GetMesh:output_type -> collided.v1.GetMeshResponse
+	18, // 56: collided.v1.CollisionService.ListScenes:output_type -> collided.v1.ListScenesResponse
+	20, // 57: collided.v1.CollisionService.DeleteScene:output_type -> collided.v1.DeleteSceneResponse
+	22, // 58: collided.v1.CollisionService.DetectFrame:output_type -> collided.v1.DetectFrameResponse
+	48, // 59: collided.v1.CollisionService.DetectBatch:output_type -> collided.v1.DetectBatchResponse
+	28, // 60: collided.v1.CollisionService.StreamFrames:output_type -> collided.v1.StreamFramesResponse
+	32, // 61: collided.v1.CollisionService.WatchScene:output_type -> collided.v1.WatchSceneResponse
+	49, // [49:62] is the sub-list for method output_type
+	36, // [36:49] is the sub-list for method input_type
+	36, // [36:36] is the sub-list for extension type_name
+	36, // [36:36] is the sub-list for extension extendee
+	0,  // [0:36] is the sub-list for field type_name
 }
 
 func init() { file_collided_v1_collision_service_proto_init() }
@@ -3470,6 +3490,7 @@ func file_collided_v1_collision_service_proto_init() {
 		(*StreamFramesResponse_WorldErrors)(nil),
 		(*StreamFramesResponse_Shortened)(nil),
 		(*StreamFramesResponse_Limits)(nil),
+		(*StreamFramesResponse_Pairs)(nil),
 	}
 	file_collided_v1_collision_service_proto_msgTypes[31].OneofWrappers = []interface{}{
 		(*WatchSceneResponse_Done)(nil),
