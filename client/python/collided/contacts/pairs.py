@@ -55,7 +55,7 @@ class MeshPair(NamedTuple):
         if self.state == PairState.SECOND_INSIDE:
             return f"{self.second!r} inside {self.first!r}, {self.depth:g} deep"
         deep = f", {self.inside[0]} and {self.inside[1]} vertices inside, {self.depth:g} deep" if any(self.inside) else ""
-        return f"{self.first!r} and {self.second!r} {self.state.name.lower()}{deep}"
+        return f"{self.first!r} and {self.second!r} {'touch' if self.state == PairState.TOUCHING else 'overlap'}{deep}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
