@@ -49,6 +49,11 @@ export interface MeshInput {
    * contact up to the thickness and both halves, a mesh and itself up to the thickness and twice its half. 0 if left out.
    */
   halfThickness?: number;
+  /**
+   * It bounds a volume: of triangles alone, each edge used as often in one direction as in the other, and a volume above 0 in its first
+   * frame, which is outside where normals (b - a) x (c - a) point to. The daemon refuses others. False if left out.
+   */
+  solid?: boolean;
 }
 
 /** A scene to create; proto/collided/v1/scene.proto describes each field of SceneSpec. */
@@ -110,6 +115,7 @@ const MESH: Rules<MeshInput> = {
   excludeRings: uint32,
   excludeRestPairs: boolean,
   halfThickness: finite,
+  solid: boolean,
 };
 
 const SCENE: Rules<SceneInput> = {

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collided.layout import Layout
 
 CONTACTS, LIMITS = "contacts", "limits"  # fields of a frame's answer that hold contacts
+_LIMIT_NO_WAY = (contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, contact_pb2.CONTACT_KIND_EDGE_TRIANGLE, contact_pb2.CONTACT_KIND_VERTEX_SOLID)
 _MOST_BARE = 1 << 24  # contacts of a chunk without any array, whose number nothing else confirms
 
 
@@ -32,7 +33,7 @@ def check_limits(chunks: Sequence[contact_pb2.ContactChunk], are_asked: bool) ->
     if chunks and not are_asked:
         raise DataLoss(f"limits has {len(chunks)} chunks, and the frame did not ask for them")
     for chunk in chunks:
-        if chunk.kind not in (contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE, contact_pb2.CONTACT_KIND_EDGE_EDGE):
+        if chunk.kind in _LIMIT_NO_WAY:
             name = KINDS[chunk.kind].name.upper()
             raise DataLoss(f"limits.kind is {name}; only a vertex and a triangle, or two edges, limit a way")
 
