@@ -13,8 +13,8 @@ import (
 // not computed.
 type Contacts struct {
 	Count int
-	// Elements are the ids of a vertex and an element, of two edges, of two triangles, of an edge and a triangle, or of a vertex and
-	// the triangle of a solid; scene-wide.
+	// Elements are scene-wide ids of a vertex and an element, of two edges, of two triangles, or of an edge and a triangle. Of
+	// VertexSolid they are a vertex and the triangle of the solid.
 	Elements [][2]uint32
 	// Stencils are four vertices; scene-wide.
 	Stencils [][4]uint32
@@ -31,9 +31,9 @@ type Contacts struct {
 	// Features are bytes of discrete frames. PlaceOnTriangle and PlacesOnEdges read on which features the closest points are; masks
 	// such as NearerAtFirst say what covers a contact.
 	Features []byte
-	// SignedDistances, of discrete frames of scenes with a solid, are minus Distance where the closest point of one feature is inside
-	// the other feature's mesh, a solid, else Distance. NaN where neither mesh is a solid, and where one of the two features goes
-	// through the other's mesh.
+	// SignedDistances are Distance with a sign, in discrete frames of scenes with a solid. They are negative where the closest point of
+	// one feature is inside the other feature's mesh, a solid. They are NaN where neither mesh is a solid, and where one of the two
+	// features goes through the other's mesh.
 	SignedDistances []float64
 }
 

@@ -39,8 +39,8 @@ type Mesh struct {
 	// HalfThickness is half of what it is thick beyond the spec's thickness, >= 0, finite, in the unit of the positions: two
 	// meshes are in contact up to the thickness and both halves, a mesh and itself up to the thickness and twice its half.
 	HalfThickness float64
-	// Solid says that it bounds a volume. It is of triangles alone, each edge is used as often in one direction as in the other, and in
-	// its first frame it has a volume above 0, which is outside where normals (b - a) x (c - a) point to. The daemon refuses others.
+	// Solid says that it bounds a volume. It has triangles alone, which use each edge as often in one direction as in the other. Its
+	// volume in its first frame is above 0; normals (b - a) x (c - a) point outside. The daemon refuses other meshes.
 	Solid bool
 }
 

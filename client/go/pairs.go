@@ -12,7 +12,7 @@ import (
 // NoVertex stands for a vertex where there is none.
 const NoVertex = uint32(math.MaxUint32)
 
-// PairOfMeshes says how two meshes, one of them a solid, lie to each other. Meshes are apart if they have none.
+// PairOfMeshes says whether two meshes, one of them a solid, touch, overlap, or are one inside the other. Pairs that are apart have none.
 type PairOfMeshes struct {
 	// First and Second are indices of the meshes in the scene's spec; First is the lower one.
 	First, Second uint32

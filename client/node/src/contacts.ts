@@ -47,8 +47,8 @@ export interface Contacts extends Iterable<Contact> {
    */
   features: Uint8Array;
   /**
-   * For each contact of a discrete frame, in a scene with a solid: minus its distance where the closest point of one feature is inside
-   * the other feature's mesh, a solid, else its distance. NaN where neither mesh is a solid, and where one of the two features goes
+   * The distance of each contact with a sign, in discrete frames of scenes with a solid. It is negative where the closest point of one
+   * feature is inside the other feature's mesh, a solid. It is NaN where neither mesh is a solid, and where one of the two features goes
    * through the other's mesh.
    */
   signedDistances: Float64Array;

@@ -1,10 +1,10 @@
-// This file reads how meshes lie to each other: the pairs of a frame that are not apart, one of them a solid.
+// This file reads which meshes touch, overlap, or are one inside the other: pairs that are not apart, one of them a solid.
 
 import { join } from "./arrays.js";
 import { dataLoss } from "./check_answer.js";
 import { MeshPairState, type MeshPairs } from "./generated/collided/v1/contact.js";
 
-/** Two meshes that are not apart, one of them a solid. */
+/** A pair of meshes that are not apart, one of them a solid. */
 export interface PairOfMeshes {
   /** Index in the scene's spec, the lower one of both. */
   first: number;

@@ -50,8 +50,8 @@ export interface MeshInput {
    */
   halfThickness?: number;
   /**
-   * It bounds a volume: of triangles alone, each edge used as often in one direction as in the other, and a volume above 0 in its first
-   * frame, which is outside where normals (b - a) x (c - a) point to. The daemon refuses others. False if left out.
+   * The mesh bounds a volume. It has triangles alone, which use each edge as often in one direction as in the other. Its volume in its
+   * first frame is above 0; normals (b - a) x (c - a) point outside. The daemon refuses other meshes. The default is false.
    */
   solid?: boolean;
 }

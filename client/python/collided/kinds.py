@@ -55,5 +55,5 @@ class HasKinds(Generic[Found]):
 
     @property
     def vs(self) -> Found:
-        """Those of a vertex inside another mesh, a solid, and the triangle of it that is nearest."""
+        """Those of a vertex inside another mesh, a solid, and the nearest triangle of that."""
         return self._of_kind(VERTEX_SOLID)

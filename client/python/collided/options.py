@@ -96,7 +96,7 @@ class SceneOptions:
 
     @property
     def has_all_fields(self) -> bool:
-        """Whether `fields` are FIELDS, the default."""
+        """Returns True if `fields` are FIELDS, the default."""
         return set(self.fields) == set(FIELDS)
 
     def spec(self) -> scene_pb2.SceneSpec:

@@ -591,7 +591,7 @@ class LimitsAtADistanceThatIsNone(OfLimits):
     limits = (hit(distance=unpacked(1, -1.0, kind="d")), edge_hit())
 
 
-# How meshes lie to each other.
+# States of pairs of meshes, and vertices in solids.
 
 
 class OfPairs(Honest):

@@ -404,6 +404,6 @@ def full_spec(layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:
 
 
 def _can_tell_pairs(spec: scene_pb2.SceneSpec) -> bool:
-    """Whether frames of a scene can tell how its meshes lie to each other; the daemon refuses to be asked elsewhere."""
+    """Returns True if a scene can have states of pairs. The daemon refuses to be asked for them in other scenes."""
     has_solids = any(mesh.solid for mesh in spec.meshes)
     return has_solids and spec.mode != scene_pb2.DETECTION_MODE_CCD and spec.accuracy != scene_pb2.ACCURACY_CANDIDATES

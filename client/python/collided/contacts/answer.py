@@ -19,7 +19,7 @@ from collided.v1 import frame_pb2
 class Answer:
     """The end of a frame. way: None where the client does not know the positions, as of a frame that it watches. has_layout:
     the layout is the frame's, and not that of a later edit. advance: how far meshes went; None where they went all of their ways.
-    limits: contacts that limit the way. pairs: meshes that are not apart; None in a frame that does not tell them."""
+    limits: contacts that limit the way. pairs: meshes that are not apart; None in a frame without states of pairs."""
 
     frame_id: int
     wire_id: int

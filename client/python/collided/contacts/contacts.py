@@ -137,14 +137,14 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
 
     @property
     def pairs(self) -> MeshPairs:
-        """How meshes lie to each other: the pairs, one of them a solid, that are not apart. A selection of contacts has those of the
-        whole frame.
+        """Says which meshes touch, overlap, or are one inside the other: the pairs, one of them a solid, that are not apart. A selection
+        of contacts has the pairs of the whole frame.
 
-        Raises FailedPrecondition for a frame that does not tell them: of CCD, of a report of one contact, of a scene without the field
-        "pair_states", and one that is watched."""
+        Raises FailedPrecondition for frames without them: frames of CCD, with a report of one contact, or of a scene without the field
+        "pair_states", and frames that are watched."""
         if self.answer.pairs is None:
-            raise FailedPrecondition(f"frame {self.frame_id} does not tell how meshes lie to each other: frames of DCD with the report "
-                                     '"all" do, in scenes with a solid and the field "pair_states"', field="fields")
+            raise FailedPrecondition(f"frame {self.frame_id} has no states of pairs: frames of DCD with the report \"all\" have them, in "
+                                     'scenes with a solid and the field "pair_states"', field="fields")
         return self.answer.pairs
 
     @property

@@ -1,4 +1,4 @@
-"""Reads how meshes lie to each other: the pairs of a frame that are not apart, one of them a solid."""
+"""Reads which meshes touch, overlap, or are one inside the other: pairs that are not apart, one of them a solid."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ _MOST_SHOWN = 4  # pairs in one line of text
 
 
 class PairState(enum.IntEnum):
-    """How two meshes lie to each other; proto/CONVENTIONS.md, "Solids".
+    """Lists the relations of two meshes that are not apart. proto/CONVENTIONS.md, "States of pairs", defines them.
 
-    TOUCHING: they have points in common, and no volume or, if one is no solid, no triangles that go through each other.
-    OVERLAPPING: they meet in more than that, or a vertex of one is inside the other, but not as below.
-    FIRST_INSIDE: their surfaces have no point in common. All vertices of the first are inside the second, and none of the second is
+    TOUCHING: the surfaces have points in common. They have no common volume or, if one is no solid, no triangles that go through
+        each other.
+    OVERLAPPING: the meshes meet in more than that, or a vertex of one is inside the other and the states below do not hold.
+    FIRST_INSIDE: the surfaces have no point in common. All vertices of the first mesh are inside the second, and none of the second is
         inside the first.
     SECOND_INSIDE: the same the other way round.
     """
@@ -34,12 +35,12 @@ class PairState(enum.IntEnum):
 
 
 class MeshPair(NamedTuple):
-    """Two meshes that are not apart.
+    """A row of MeshPairs: two meshes that are not apart.
 
-    first, second: their names; the first has the lower index.
+    first, second: names of the meshes. The first has the lower index.
     inside: vertices of the first that are inside the second, and of the second inside the first.
-    deepest: of these vertices the deepest (scene-wide id; the least of several); None if there is none.
-    depth: its distance from the other mesh's surface, in the unit of the positions; 0 if there is none.
+    deepest: the deepest of these vertices, by its scene-wide id, the least of several; None without such a vertex.
+    depth: its distance from the other mesh's surface, in the unit of the positions; 0 without such a vertex.
     """
 
     first: str
@@ -60,14 +61,14 @@ class MeshPair(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeshPairs:
-    """A table of the pairs of meshes, one of them a solid, that are not apart. Rows ascend by first, then second mesh; iteration and an
-    index give them as MeshPair.
+    """A table of the pairs of meshes, one of them a solid, that are not apart. Rows ascend by first, then second mesh. Iteration and an
+    index return rows as MeshPair.
 
     meshes: uint32[n][2], indices of the meshes, the lower one first.
     states: uint8[n], values of PairState.
     inside: uint32[n][2], vertices of the first mesh that are inside the second, and of the second inside the first.
-    deepest: uint32[n], of these vertices the deepest (scene-wide id; the least of several), 2^32 - 1 if there is none.
-    depths: float64[n], its distance from the other mesh's surface, in the unit of the positions; 0 if there is none.
+    deepest: uint32[n], scene-wide id of the deepest of these vertices, the least of several; 2^32 - 1 without such a vertex.
+    depths: float64[n], its distance from the other mesh's surface, in the unit of the positions; 0 without such a vertex.
     """
 
     layout: Layout
@@ -78,7 +79,7 @@ class MeshPairs:
     depths: np.ndarray
 
     def between(self, first: str | int, second: str | int) -> MeshPair | None:
-        """The row of two meshes, by name or index, in any order. None if they are apart, not tested, or both no solids."""
+        """Returns the row of two meshes, by name or index, in any order. None if they are apart, not tested, or both no solids."""
         rows = np.flatnonzero((self.meshes == self.layout.pair((first, second))).all(axis=1))
         return self[int(rows[0])] if rows.size else None
 
@@ -103,7 +104,7 @@ class MeshPairs:
 
 def read_pairs(messages: Sequence[contact_pb2.MeshPairs], done: frame_pb2.FrameDone, layout: Layout,
                are_asked: bool) -> MeshPairs | None:
-    """Reads the pairs of an answer: `messages`, and then `done`. Returns None for a frame that does not tell them. Raises DataLoss.
+    """Reads the pairs of an answer: `messages`, and then `done`. Returns None for a frame without them. Raises DataLoss.
 
     layout: that of the frame.
     """

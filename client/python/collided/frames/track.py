@@ -85,7 +85,7 @@ class Track:
         return self.has_starts and head.mode != scene_pb2.DETECTION_MODE_DCD
 
     def tells_pairs(self, head: frame_pb2.Frame, spec: scene_pb2.SceneSpec) -> bool:
-        """Whether the answer to a frame says how meshes lie to each other. spec: of the scene that was created."""
+        """Returns True if the answer to a frame has states of pairs. spec: that of the scene, as it was created."""
         if contact_pb2.CONTACT_FIELD_PAIR_STATES not in spec.fields or self.has_motion(head):
             return False
         return (head.report or spec.report or scene_pb2.REPORT_ALL) == scene_pb2.REPORT_ALL

@@ -38,7 +38,7 @@ class DeviceContacts(HasKinds[KindOnDevice]):
 
     on_host: those that had no room there, after them, in the same order; `output_bytes` makes room.
     shortened, limits: as of `Contacts`, in host memory; `limits` is there once the frame is answered, and has no `points`.
-    pairs: how meshes lie to each other, in host memory; None in frames that do not tell it.
+    pairs: as of `Contacts`, in host memory; None in frames without them.
     """
 
     frame_id: int

@@ -21,7 +21,7 @@ from collided.layout import Layout
 from collided.options import FIELDS
 from collided.v1 import contact_pb2, frame_pb2, metrics_pb2, scene_pb2
 
-# In the order of the library's mask.
+# Fields of contacts, in the order of the bits of the library's mask.
 _FIELDS = [choice(contact_pb2.ContactField, "CONTACT_FIELD_", name, "fields") for name in (*FIELDS, "pair_states")]
 _NAMES = {"excluded_rings": "exclude_rings", "excludes_rest_pairs": "exclude_rest_pairs"}  # of the library, and here
 
