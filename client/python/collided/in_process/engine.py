@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from collided.choices import choice
 from collided.columns import COLUMNS
 from collided.errors import FailedPrecondition, Unimplemented
 from collided.frames.updates import Incoming, Update
@@ -22,7 +21,7 @@ from collided.options import FIELDS
 from collided.v1 import contact_pb2, frame_pb2, metrics_pb2, scene_pb2
 
 # Fields of contacts, in the order of the bits of the library's mask.
-_FIELDS = [choice(contact_pb2.ContactField, "CONTACT_FIELD_", name, "fields") for name in (*FIELDS, "pair_states")]
+_FIELDS = [contact_pb2.ContactField.Value(f"CONTACT_FIELD_{name.upper()}") for name in (*FIELDS, "pair_states")]
 _NAMES = {"excluded_rings": "exclude_rings", "excludes_rest_pairs": "exclude_rest_pairs"}  # of the library, and here
 
 
