@@ -14,16 +14,18 @@ DELIVERY_POLICY_UNSPECIFIED: DeliveryPolicy
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class ContactBytes(_message.Message):
-    __slots__ = ["edge_edge", "edge_triangle", "triangle_triangle", "vertex_triangle"]
+    __slots__ = ["edge_edge", "edge_triangle", "triangle_triangle", "vertex_solid", "vertex_triangle"]
     EDGE_EDGE_FIELD_NUMBER: _ClassVar[int]
     EDGE_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
     TRIANGLE_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
+    VERTEX_SOLID_FIELD_NUMBER: _ClassVar[int]
     VERTEX_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
     edge_edge: int
     edge_triangle: int
     triangle_triangle: int
+    vertex_solid: int
     vertex_triangle: int
-    def __init__(self, vertex_triangle: _Optional[int] = ..., edge_edge: _Optional[int] = ..., triangle_triangle: _Optional[int] = ..., edge_triangle: _Optional[int] = ...) -> None: ...
+    def __init__(self, vertex_triangle: _Optional[int] = ..., edge_edge: _Optional[int] = ..., triangle_triangle: _Optional[int] = ..., edge_triangle: _Optional[int] = ..., vertex_solid: _Optional[int] = ...) -> None: ...
 
 class CreateSceneRequest(_message.Message):
     __slots__ = ["lease_seconds", "request_id", "spec"]
