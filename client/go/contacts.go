@@ -32,8 +32,8 @@ type Contacts struct {
 	// such as NearerAtFirst say what covers a contact.
 	Features []byte
 	// SignedDistances are Distance with a sign, in discrete frames of scenes with a solid. They are negative where the closest point of
-	// one feature is inside the other feature's mesh, a solid. They are NaN where neither mesh is a solid, and where one of the two
-	// features goes through the other's mesh.
+	// one feature is inside the other feature's mesh, a solid. They are NaN where neither mesh is a solid, of a mesh and itself, and
+	// where one of the two features goes through the other's mesh.
 	SignedDistances []float64
 }
 

@@ -24,8 +24,8 @@ func boxAt(x, y, z, side float64) collided.F64 {
 }
 
 func boxes() []collided.Mesh {
-	return []collided.Mesh{{Name: "room", VertexCount: 8, Triangles: boxSides, Solid: true},
-		{Name: "box", VertexCount: 8, Triangles: boxSides, Solid: true}}
+	return []collided.Mesh{{Name: "room", VertexCount: 8, Triangles: boxSides, Solid: true, NoSelfContacts: true},
+		{Name: "box", VertexCount: 8, Triangles: boxSides, Solid: true, NoSelfContacts: true}}
 }
 
 func solidScene(kinds ...v1.ContactKind) *collided.SceneSpec {

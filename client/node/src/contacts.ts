@@ -48,8 +48,8 @@ export interface Contacts extends Iterable<Contact> {
   features: Uint8Array;
   /**
    * The distance of each contact with a sign, in discrete frames of scenes with a solid. It is negative where the closest point of one
-   * feature is inside the other feature's mesh, a solid. It is NaN where neither mesh is a solid, and where one of the two features goes
-   * through the other's mesh.
+   * feature is inside the other feature's mesh, a solid. It is NaN where neither mesh is a solid, of a mesh and itself, and where one of
+   * the two features goes through the other's mesh.
    */
   signedDistances: Float64Array;
 }

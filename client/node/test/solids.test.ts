@@ -100,7 +100,7 @@ const BOXES: SceneInput = {
     ContactField.PAIR_STATES,
     ContactField.SIGNED_DISTANCE,
   ],
-  meshes: ["room", "box"].map((name) => ({ name, vertexCount: 8, triangles: SIDES, solid: true })),
+  meshes: ["room", "box"].map((name) => ({ name, vertexCount: 8, triangles: SIDES, solid: true, noSelfContacts: true })),
 };
 const ROOM = boxAt(0, 0, 0, 4);
 

@@ -99,6 +99,6 @@ class HasColumns(Generic[Values]):
     @property
     def signed_distances(self) -> Values:
         """float64[n]: minus `distance` where the closest point of one feature is inside the other feature's mesh, a solid, else
-        `distance`. In DCD with the report "all", from "fast" on, in a scene with a solid. NaN where neither mesh is a solid, where one of
-        the two features goes through the other's mesh, and of kinds but vertex-triangle and edge-edge."""
+        `distance`. In DCD with the report "all", from "fast" on, in a scene with a solid. NaN where neither mesh is a solid, of a
+        mesh and itself, where one of the two features goes through the other's mesh, and of kinds but vertex-triangle and edge-edge."""
         return self._column("signed_distances")

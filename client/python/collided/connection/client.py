@@ -405,5 +405,6 @@ def full_spec(layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:
 
 def _can_tell_pairs(spec: scene_pb2.SceneSpec) -> bool:
     """Returns True if a scene can have states of pairs. The daemon refuses to be asked for them in other scenes."""
-    has_solids = any(mesh.solid for mesh in spec.meshes)
-    return has_solids and spec.mode != scene_pb2.DETECTION_MODE_CCD and spec.accuracy != scene_pb2.ACCURACY_CANDIDATES
+    has_states = (spec.mode != scene_pb2.DETECTION_MODE_CCD and spec.accuracy != scene_pb2.ACCURACY_CANDIDATES
+                  and spec.position_format != scene_pb2.POSITION_FORMAT_Q16)
+    return has_states and any(mesh.solid for mesh in spec.meshes)
