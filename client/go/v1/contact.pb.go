@@ -475,7 +475,8 @@ type ContactChunk struct {
 	Distance []byte `protobuf:"bytes,6,opt,name=distance,proto3" json:"distance,omitempty"`
 	// float64[count][2]: weights of the triangle's second and third corner, or the position along each of two edges in [0, 1].
 	Weights []byte `protobuf:"bytes,7,opt,name=weights,proto3" json:"weights,omitempty"`
-	// float32[count][3], unit length: from the second feature to the first.
+	// float32[count][3], unit length: from the second feature to the first; of VERTEX_SOLID, and where `signed_distances` is
+	// negative, the way out.
 	Normals []byte `protobuf:"bytes,8,opt,name=normals,proto3" json:"normals,omitempty"`
 	// uint8[count]: ContactFlag masks, or-ed.
 	Flags []byte `protobuf:"bytes,9,opt,name=flags,proto3" json:"flags,omitempty"`
@@ -496,8 +497,9 @@ type ContactChunk struct {
 	// More bits may be added: test bits, do not compare bytes.
 	Features []byte `protobuf:"bytes,12,opt,name=features,proto3" json:"features,omitempty"`
 	// float64[count] (CONTACT_FIELD_SIGNED_DISTANCE): minus `distance` where the closest point of one feature is inside the
-	// other feature's mesh, a solid, else `distance`. NaN where neither mesh is a solid, and where one of the two features goes
-	// through the other's mesh, because then no direction parts them there.
+	// other feature's mesh, a solid, else `distance`. Where it is negative, `normals` has the opposite direction: signed distance
+	// times normal leads from the second feature's closest point to the first's. NaN where neither mesh is a solid, of a mesh with
+	// itself, and where one of the two features goes through the other's mesh, because then no direction parts them there.
 	SignedDistances []byte `protobuf:"bytes,14,opt,name=signed_distances,json=signedDistances,proto3" json:"signed_distances,omitempty"`
 }
 
