@@ -32,7 +32,8 @@ class ColumnsOnHost {
   void for_each(const Copy& copy) const {
     for_each_field(
         [&](ContactField field, const auto& place) {
-          if (place.from != nullptr && field != ContactField::kSignedDistance) copy(memory_.get() + place.offset, place.from, place.bytes(count_));
+          if (place.from != nullptr && field != ContactField::kSignedDistance)
+            copy(memory_.get() + place.offset, place.from, place.bytes(count_));
         },
         places_);
   }

@@ -2,8 +2,8 @@
 // A hierarchy over the triangles of all solids (engines/lbvh/lbvh.hpp), in which leaves are places in the table of
 // these triangles.
 
-#include "gpu/base/solids.hpp"
 #include "gpu/boxes/boxes.hpp"
+#include "gpu/contacts/solid_meshes.hpp"
 #include "gpu/engines/lbvh/lbvh.hpp"
 
 namespace collided {

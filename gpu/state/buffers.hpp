@@ -7,11 +7,11 @@
 
 #include "gpu/base/half_thickness.hpp"
 #include "gpu/base/mesh_turns.hpp"
-#include "gpu/base/solids.hpp"
 #include "gpu/boxes/measure.hpp"
 #include "gpu/contacts/columns.hpp"
 #include "gpu/contacts/order.hpp"
 #include "gpu/contacts/place.hpp"
+#include "gpu/contacts/solid_meshes.hpp"
 #include "gpu/exec/buffer.hpp"
 #include "gpu/narrow/certified_ccd.hpp"
 #include "gpu/narrow/floors.hpp"

@@ -125,8 +125,7 @@ inline LevelNeeds needs_of(const SceneSpec& spec, const FrameSettings& settings,
   needs.kinds = kinds_of_features(spec);
   needs.kinds.triangle_triangle = spec.kinds.triangle_triangle;
   needs.kinds.edge_triangle =
-      !needs.is_ccd() && (spec.kinds.edge_triangle || needs.tells_features || needs.tells_signed ||
-                          needs.tells_states || needs.kinds == PerKind<bool>{});
+      !needs.is_ccd() && (spec.kinds.edge_triangle || needs.tells_features || needs.tells_signed || needs.tells_states);
   needs.has_room = !room.memory.empty();
   if (!needs.has_room) return needs;
   for_each_kind(

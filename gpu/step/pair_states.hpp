@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "gpu/base/solids.hpp"
+#include "gpu/contacts/solid_meshes.hpp"
 
 namespace collided {
 

@@ -1,9 +1,9 @@
 """The benchmarks' output is complete and consistent. Usage: bench_test.py CHECK PROGRAM
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
-(collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), exact
-(collided_exact_bench), subdivision (collided_subdivision_bench), reuse (collided_reuse_bench), trials
-(collided_trials_bench) or advance_costs (collided_advance_costs_bench).
+(collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), solids
+(collided_solids_bench), exact (collided_exact_bench), subdivision (collided_subdivision_bench), reuse
+(collided_reuse_bench), trials (collided_trials_bench) or advance_costs (collided_advance_costs_bench).
 """
 
 import json
@@ -133,6 +133,16 @@ class Bench(unittest.TestCase):
             self.assertEqual(runs[name]["bytes_in"], 2 * full["bytes_in"])
         for run in runs.values():
             self.assertLess(0, run["caller_ms"])
+
+    def check_solids(self):
+        runs = {run["name"]: run for run in parsed("--backend", "cpu", "--triangles", "2000", "--frames", "2",
+                                                   "--threads", "1")["runs"]}
+        self.assertGreater(runs["depths alone"]["inside"], 0)
+        self.assertEqual(runs["states and depths"]["inside"], runs["depths alone"]["inside"])
+        self.assertEqual([runs[name]["pairs"] for name in ("plain", "states", "states and depths alone")], [0, 1, 1])
+        self.assertEqual(runs["within 0.01"]["contacts"], runs["within 0.01, signed"]["contacts"])
+        self.assertNotIn("inside", runs["crossings"]["stages_ms"])
+        self.assertLess(runs["plain"]["device_bytes"], runs["states"]["device_bytes"])
 
     def check_exact(self):
         runs = parsed("--backend", "cpu", "--scene", "coincident", "--scale", "0.2", "--frames", "2")["runs"]

@@ -103,7 +103,8 @@ FOLDERS["search"] = {"base", "exec", "contacts", "boxes"}
 FOLDERS["tables"] = {"base", "contacts", "exec", "search"}
 FOLDERS["state"] = {"base", "exec", "contacts", "boxes", "search", "narrow"}
 FOLDERS["engines"] = {"base", "exec", "contacts", "boxes", "narrow", "state"}
-FOLDERS["step"] = FOLDERS["state"] | {"state", "engines", "exact"}
+FOLDERS["solids"] = {"base", "exec", "contacts", "boxes", "narrow", "engines", "exact"}
+FOLDERS["step"] = FOLDERS["state"] | {"state", "engines", "exact", "solids"}
 FOLDERS["scene"] = FOLDERS["step"] | {"positions", "step", "tables"}
 # What a step's counters and plan hold of an engine's.
 COUNTED_OF_ENGINES = {f"gpu/engines/octree/{name}.hpp" for name in ("levels", "octree_plan", "subdivision")}
@@ -119,6 +120,10 @@ def folder_of(path):
     """The engine's folder that a file is in; None for those at its root."""
     match = re.match(r"gpu/([^/]+)/", path)
     return match and match[1]
+
+
+def names_of(headers):
+    return ", ".join(sorted(header.removeprefix("gpu/") for header in headers))
 
 
 def engine_complaint(path, target):
@@ -142,9 +147,9 @@ def engine_complaint(path, target):
     if other != folder and other not in FOLDERS[folder]:
         return f"{folder} must not know {other}"
     if folder == "exact" and other == "base" and target not in EXACT_BASE:
-        return "of base, the exact decisions know closest_features.hpp, contact_distance.hpp, host_device.hpp, rounding.hpp, twofold.hpp and vec3.hpp alone"
+        return "of base, the exact decisions know these alone: " + names_of(EXACT_BASE)
     if other == "exact" and folder != "exact" and target not in EXACT_API:
-        return "of gpu/exact, others know exact.hpp, decision.hpp, closest_features.hpp, crossings.hpp, poll.hpp, fixed/decide.hpp and fixed/parting.hpp alone"
+        return "of gpu/exact, others know these alone: " + names_of(EXACT_API)
     if path.startswith(EXACT_FIXED) and other == "exact" and not target.startswith(EXACT_FIXED):
         return "gpu/exact/fixed runs on every backend and knows nothing of the rest of gpu/exact"
     return None
@@ -152,10 +157,11 @@ def engine_complaint(path, target):
 
 # What the rest of the engine may see of gpu/exact; GMP stays behind these headers.
 EXACT_FIXED = "gpu/exact/fixed/"
-EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/closest_features.hpp", "gpu/exact/crossings.hpp", "gpu/exact/poll.hpp", "gpu/exact/fixed/decide.hpp",
-             "gpu/exact/fixed/parting.hpp"}
-EXACT_BASE = {"gpu/base/closest_features.hpp", "gpu/base/contact_distance.hpp", "gpu/base/host_device.hpp",
-              "gpu/base/rounding.hpp", "gpu/base/twofold.hpp", "gpu/base/vec3.hpp"}
+EXACT_API = {f"gpu/exact/{name}.hpp" for name in (
+    "closest_features", "crossings", "decision", "exact", "nearest", "overlap", "poll", "rays", "volumes", "fixed/decide",
+    "fixed/parting", "fixed/ray_triangle")}
+EXACT_BASE = {f"gpu/base/{name}.hpp" for name in (
+    "box", "closest_features", "contact_distance", "host_device", "rounding", "twofold", "vec3")}
 
 # The one folder above client/cpp and server, and what it may know of the server.
 IN_PROCESS = "client/in_process/"
