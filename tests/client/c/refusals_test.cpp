@@ -22,104 +22,56 @@ TEST(CLibraryRefusals, SpecsWithTheirField) {
   uint32_t bad_corner[] = {0, 1, 7}, twice[] = {0, 1, 1}, pair[] = {0, 2};
   double upside_down[] = {0, 0, 0, 1, -1, 1}, endless[] = {0, 0, 0, 1, kInfinity, 1};
   const BadSpec cases[] = {
-      {"spec.struct_size", [](auto& s, auto*) {
-    s.struct_size = 8; }},
-      {"spec.struct_size", [](auto& s, auto*) {
-    s.struct_size = 0; }},
-      {"spec.struct_size", [](auto& s, auto*) {
-    s.struct_size = ~size_t{0}; }},
-      {"meshes", [](auto& s, auto*) {
-    s.meshes = nullptr; }},
-      {"meshes", [](auto& s, auto*) {
-    s.mesh_count = 0; }},
-      {"mesh_count", [](auto& s, auto*) {
-    s.mesh_count = ~uint64_t{0}; }},
-      {"meshes[1].struct_size", [](auto&, auto* m) {
-    m[1].struct_size = 4000; }},
-      {"meshes[0].struct_size", [](auto&, auto* m) {
-    m[0].struct_size = 4; }},
-      {"meshes[0].vertex_count", [](auto&, auto* m) {
-    m[0].vertex_count = 0; }},
-      {"meshes[1].triangles", [](auto&, auto* m) {
-    m[1].triangles = nullptr; }},
-      {"meshes[1].triangle_count", [](auto&, auto* m) {
-    m[1].triangle_count = uint64_t{1} << 62; }},
-      {"meshes[1].edges", [](auto&, auto* m) {
-    m[1].edge_count = 1; }},
-      {"meshes[1].points", [](auto&, auto* m) {
-    m[1].point_count = 1; }},
-      {"meshes[0].triangles[0]", [&](auto&, auto* m) {
-    m[0].triangles = bad_corner; }},
-      {"meshes[0].triangles[0]", [&](auto&, auto* m) {
-    m[0].triangles = twice; }},
-      {"meshes[0].motion", [](auto&, auto* m) {
-    m[0].motion = 4; }},
-      {"meshes[0].motion", [](auto&, auto* m) {
-    m[0].motion = -1; }},
-      {"meshes[1].excluded_rings", [](auto&, auto* m) {
-    m[1].excluded_rings = 9; }},
-      {"meshes[1].half_thickness", [](auto&, auto* m) {
-    m[1].half_thickness = -1; }},
-      {"meshes[0].half_thickness", [](auto&, auto* m) {
-    m[0].half_thickness = kNan; }},
-      {"meshes[0].half_thickness", [](auto&, auto* m) {
-    m[0].half_thickness = kInfinity; }},
-      {"meshes[0].half_thickness", [](auto&, auto* m) {
-    m[0].half_thickness = 1e300; }},
-      {"vertex_solid", [](auto& s, auto*) {
-    s.mode = COLLIDED_DCD, s.kinds = COLLIDED_KINDS_VERTEX_SOLID; }},
-      {"pair_states", [](auto& s, auto*) {
-    s.mode = COLLIDED_DCD, s.fields = COLLIDED_FIELDS_PAIR_STATES; }},
-      {"excluded_meshes", [auto& s, auto*) {
-    s.excluded_mesh_count = 1; }},
-      {"excluded_meshes[0]", [&](auto& s, auto*) {
-    s.excluded_meshes = pair, s.excluded_mesh_count = 1; }},
-      {"device", [](auto& s, auto*) {
-    s.device = "tpu"; }},
-      {"device", [](auto& s, auto*) {
-    s.device = "cuda:x"; }},
-      {"mode", [](auto& s, auto*) {
-    s.mode = 4; }},
-      {"accuracy", [](auto& s, auto*) {
-    s.accuracy = 6; }},
-      {"report", [](auto& s, auto*) {
-    s.report = -7; }},
-      {"report", [](auto& s, auto*) {
-    s.mode = COLLIDED_DCD, s.report = COLLIDED_REPORT_EARLIEST_ONLY; }},
-      {"position_format", [](auto& s, auto*) {
-    s.position_format = 99; }},
-      {"broad_phase_engine", [](auto& s, auto*) {
-    s.broad_phase_engine = 9; }},
-      {"reuse", [](auto& s, auto*) {
-    s.reuse = 3; }},
-      {"kinds", [](auto& s, auto*) {
-    s.kinds = 32; }},
-      {"fields", [](auto& s, auto*) {
-    s.fields = 1024; }},
-      {"thickness", [](auto& s, auto*) {
-    s.thickness = kNan; }},
-      {"thickness", [](auto& s, auto*) {
-    s.thickness = -1; }},
-      {"delta", [](auto& s, auto*) {
-    s.delta = kInfinity; }},
-      {"min_separation", [](auto& s, auto*) {
-    s.min_separation = kNan; }},
-      {"rest_distance", [](auto& s, auto*) {
-    s.rest_distance = 1; }},
-      {"quantized_in", [](auto& s, auto*) {
-    s.position_format = COLLIDED_Q16; }},
-      {"quantized_in", [&](auto& s, auto*) {
-    s.quantized_in = endless; }},
-      {"quantized_in", [&](auto& s, auto*) {
-    s.position_format = COLLIDED_Q16, s.quantized_in = endless; }},
-      {"quantized_in", [&](auto& s, auto*) {
-    s.position_format = COLLIDED_Q16, s.quantized_in = upside_down; }},
-      {"expected_contacts", [](auto& s, auto*) {
-    s.expected_contacts = uint64_t{1} << 40; }},
-      {"threads", [](auto& s, auto*) {
-    s.threads = -1; }},
-      {"threads", [](auto& s, auto*) {
-    s.threads = std::numeric_limits<int32_t>::max(); }},
+      {"spec.struct_size", [](auto& s, auto*) { s.struct_size = 8; }},
+      {"spec.struct_size", [](auto& s, auto*) { s.struct_size = 0; }},
+      {"spec.struct_size", [](auto& s, auto*) { s.struct_size = ~size_t{0}; }},
+      {"meshes", [](auto& s, auto*) { s.meshes = nullptr; }},
+      {"meshes", [](auto& s, auto*) { s.mesh_count = 0; }},
+      {"mesh_count", [](auto& s, auto*) { s.mesh_count = ~uint64_t{0}; }},
+      {"meshes[1].struct_size", [](auto&, auto* m) { m[1].struct_size = 4000; }},
+      {"meshes[0].struct_size", [](auto&, auto* m) { m[0].struct_size = 4; }},
+      {"meshes[0].vertex_count", [](auto&, auto* m) { m[0].vertex_count = 0; }},
+      {"meshes[1].triangles", [](auto&, auto* m) { m[1].triangles = nullptr; }},
+      {"meshes[1].triangle_count", [](auto&, auto* m) { m[1].triangle_count = uint64_t{1} << 62; }},
+      {"meshes[1].edges", [](auto&, auto* m) { m[1].edge_count = 1; }},
+      {"meshes[1].points", [](auto&, auto* m) { m[1].point_count = 1; }},
+      {"meshes[0].triangles[0]", [&](auto&, auto* m) { m[0].triangles = bad_corner; }},
+      {"meshes[0].triangles[0]", [&](auto&, auto* m) { m[0].triangles = twice; }},
+      {"meshes[0].motion", [](auto&, auto* m) { m[0].motion = 4; }},
+      {"meshes[0].motion", [](auto&, auto* m) { m[0].motion = -1; }},
+      {"meshes[1].excluded_rings", [](auto&, auto* m) { m[1].excluded_rings = 9; }},
+      {"meshes[1].half_thickness", [](auto&, auto* m) { m[1].half_thickness = -1; }},
+      {"meshes[0].half_thickness", [](auto&, auto* m) { m[0].half_thickness = kNan; }},
+      {"meshes[0].half_thickness", [](auto&, auto* m) { m[0].half_thickness = kInfinity; }},
+      {"meshes[0].half_thickness", [](auto&, auto* m) { m[0].half_thickness = 1e300; }},
+      {"meshes[0].solid", [](auto&, auto* m) { m[0].solid = 1; }},
+      {"vertex_solid", [](auto& s, auto*) { s.mode = COLLIDED_DCD, s.kinds = COLLIDED_KINDS_VERTEX_SOLID; }},
+      {"pair_states", [](auto& s, auto*) { s.mode = COLLIDED_DCD, s.fields = COLLIDED_FIELDS_PAIR_STATES; }},
+      {"excluded_meshes", [](auto& s, auto*) { s.excluded_mesh_count = 1; }},
+      {"excluded_meshes[0]", [&](auto& s, auto*) { s.excluded_meshes = pair, s.excluded_mesh_count = 1; }},
+      {"device", [](auto& s, auto*) { s.device = "tpu"; }},
+      {"device", [](auto& s, auto*) { s.device = "cuda:x"; }},
+      {"mode", [](auto& s, auto*) { s.mode = 4; }},
+      {"accuracy", [](auto& s, auto*) { s.accuracy = 6; }},
+      {"report", [](auto& s, auto*) { s.report = -7; }},
+      {"report", [](auto& s, auto*) { s.mode = COLLIDED_DCD, s.report = COLLIDED_REPORT_EARLIEST_ONLY; }},
+      {"position_format", [](auto& s, auto*) { s.position_format = 99; }},
+      {"broad_phase_engine", [](auto& s, auto*) { s.broad_phase_engine = 9; }},
+      {"reuse", [](auto& s, auto*) { s.reuse = 3; }},
+      {"kinds", [](auto& s, auto*) { s.kinds = 32; }},
+      {"fields", [](auto& s, auto*) { s.fields = 1024; }},
+      {"thickness", [](auto& s, auto*) { s.thickness = kNan; }},
+      {"thickness", [](auto& s, auto*) { s.thickness = -1; }},
+      {"delta", [](auto& s, auto*) { s.delta = kInfinity; }},
+      {"min_separation", [](auto& s, auto*) { s.min_separation = kNan; }},
+      {"rest_distance", [](auto& s, auto*) { s.rest_distance = 1; }},
+      {"quantized_in", [](auto& s, auto*) { s.position_format = COLLIDED_Q16; }},
+      {"quantized_in", [&](auto& s, auto*) { s.quantized_in = endless; }},
+      {"quantized_in", [&](auto& s, auto*) { s.position_format = COLLIDED_Q16, s.quantized_in = endless; }},
+      {"quantized_in", [&](auto& s, auto*) { s.position_format = COLLIDED_Q16, s.quantized_in = upside_down; }},
+      {"expected_contacts", [](auto& s, auto*) { s.expected_contacts = uint64_t{1} << 40; }},
+      {"threads", [](auto& s, auto*) { s.threads = -1; }},
+      {"threads", [](auto& s, auto*) { s.threads = std::numeric_limits<int32_t>::max(); }},
   };
   const uint32_t triangle[] = {0, 1, 2};
   for (const BadSpec& bad : cases) {
@@ -239,6 +191,7 @@ TEST(CLibraryRefusals, NullPointersEverywhere) {
                                      collided_result_contacts(nullptr, 1, nullptr),
                                      collided_result_contacts_in_room(nullptr, 1, nullptr),
                                      collided_result_facts(nullptr, nullptr),
+                                     collided_result_mesh_pair(nullptr, 0, nullptr),
                                      collided_result_stage(nullptr, 0, nullptr, nullptr),
                                      collided_result_unused_option(nullptr, 0, nullptr)};
   for (const collided_status status : refused) EXPECT_EQ(status, COLLIDED_INVALID_ARGUMENT);

@@ -603,7 +603,7 @@ class Detect(support.CollidectlTest):
         (array,) = [a for a in xml.etree.ElementTree.parse(vtp).iter("DataArray") if a.get("Name") == "features"]
         self.assertEqual(array.text.split(), [str(byte) for byte in (2, 3 + 64, 4 + 64, 4 + 64)])
         with open(ply, encoding="ascii") as file:
-            self.assertEqual([line.split()[-1] for line in file.read().split("end_header\n")[1].splitlines()], array.text.split())
+            self.assertEqual([line.split()[-2] for line in file.read().split("end_header\n")[1].splitlines()], array.text.split())
         kept = json.loads(self.ok(*words, *files, "--kept"))
         self.assertEqual((kept["contact_count"], kept["covered_count"], kept["touching"][0]["contact_count"]), (4, 3, 1))
         self.assertRegex(kept["found"], r": 1 contact \(1 vertex-triangle\)$")

@@ -40,6 +40,15 @@ std::vector<Point> cube_at(const Point& lower, double side) {
   return corners;
 }
 
+MeshInput solid(const char* name, bool is_static) {
+  return {.name = name,
+          .vertex_count = kCorners,
+          .triangles = kCube,
+          .is_static = is_static,
+          .no_self_contacts = true,
+          .solid = true};
+}
+
 /// How deep a point is in the large cube.
 double depth_of(const Point& p) {
   double depth = kSide;
@@ -63,9 +72,7 @@ pb::SceneSpec spec_of_all() {
 }
 
 pb::Scene make_scene(Client& client) {
-  const MeshInput meshes[] = {
-      {.name = "large", .vertex_count = kCorners, .triangles = kCube, .is_static = true, .solid = true},
-      {.name = "small", .vertex_count = kCorners, .triangles = kCube, .solid = true}};
+  const MeshInput meshes[] = {solid("large", true), solid("small", false)};
   return client.create_scene(spec_of_all(), meshes);
 }
 
