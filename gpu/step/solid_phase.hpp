@@ -201,7 +201,7 @@ class SolidPhase {
     do {
       buffers_.rivals.ensure(needs_.is_exact() ? max(found_.rivals, uint64_t{1}) : 0);
       exec_.fill_zero(&buffers_.counts.data()->rivals, sizeof(uint64_t));
-      exec_.for_each("find_nearest", count, find_nearest());
+      exec_.for_each_group("find_nearest", {nullptr, count}, find_nearest());
       if (!needs_.is_exact()) return 0;
       exec_.download(&found_, buffers_.counts.data(), sizeof(found_));
       found_.inside = count;
