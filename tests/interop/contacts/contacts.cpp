@@ -62,7 +62,8 @@ v1::SceneSpec spec() {
   spec.set_thickness(0.25);
   spec.set_position_format(v1::POSITION_FORMAT_F64);
   for (int field = v1::ContactField_MIN + 1; field <= v1::ContactField_MAX; ++field)
-    spec.add_fields(static_cast<v1::ContactField>(field));
+    if (v1::ContactField_IsValid(field) && field != v1::CONTACT_FIELD_PAIR_STATES)  // those are of solids
+      spec.add_fields(static_cast<v1::ContactField>(field));
   return spec;
 }
 

@@ -46,7 +46,7 @@ const scene = await client.createScene({
   mode: DetectionMode.DCD_AND_CCD,
   thickness: 0.25,
   positionFormat: PositionFormat.F64,
-  fields: Object.values(ContactField).filter((field) => field > 0),
+  fields: Object.values(ContactField).filter((field) => field > 0 && field !== ContactField.PAIR_STATES), // those are of solids
   meshes: meshes.map(([name, motion]) => ({ name, vertexCount: VERTICES, triangles: triangles(), motion })),
 });
 const stream = await client.stream(scene);
