@@ -2,10 +2,11 @@
 
 CHECK: run, levels, engines (collided_bench), stages (collided_stage_bench), embree (collided_embree_bench), watch
 (collided_watch_bench), in_process (collided_in_process_bench), switches (collided_switches_bench), solids
-(collided_solids_bench), exact (collided_exact_bench), subdivision (collided_subdivision_bench), reuse
+(collided_solids_bench), peers (solids/peers.py), exact (collided_exact_bench), subdivision (collided_subdivision_bench), reuse
 (collided_reuse_bench), trials (collided_trials_bench) or advance_costs (collided_advance_costs_bench).
 """
 
+import importlib.util
 import json
 import subprocess
 import sys
@@ -143,6 +144,30 @@ class Bench(unittest.TestCase):
         self.assertEqual(runs["within 0.01"]["contacts"], runs["within 0.01, signed"]["contacts"])
         self.assertNotIn("inside", runs["crossings"]["stages_ms"])
         self.assertLess(runs["plain"]["device_bytes"], runs["states"]["device_bytes"])
+
+    def check_peers(self):
+        """Of libraries that are not installed it says so. collided itself has nothing wrong."""
+        ran = subprocess.run([sys.executable, PROGRAM, "--triangles", "500", "--rounds", "1"], stdout=subprocess.PIPE, text=True,
+                             check=True)
+        found = json.loads(ran.stdout)
+        lanes = {(lane["library"], lane["name"]): lane for lane in found["lanes"]}
+        ours = [lane for (library, _), lane in lanes.items() if library == "collided"]
+        self.assertEqual((len(ours), len(lanes)), (2, 12))
+        self.assertGreater(found["inside"], 0)
+        for lane in ours:
+            self.assertEqual(lane["wrong_by_case"], {})
+            for count in ("inside", "on_surface", "depth"):
+                self.assertEqual(lane[count]["wrong"], 0, count)
+                self.assertGreater(lane[count]["of"], 300, count)
+            self.assertEqual([lane["balls"][count]["wrong"] for count in ("inside", "depth")], [0, 0])
+            self.assertEqual(lane["balls"]["depth"]["of"], found["inside"])
+            self.assertGreater(lane["balls"]["again"]["cpu_ms"], 0)
+        self.assertEqual([ours[1][count]["wrong"] for count in ("state", "deepest")], [0, 0])
+        modules = {"libigl": ["igl"], "trimesh": ["trimesh", "rtree"], "python-fcl": ["fcl", "trimesh"], "warp-lang": ["warp"]}
+        for (library, name), lane in lanes.items():
+            if library != "collided":
+                is_there = all(importlib.util.find_spec(module) for module in modules[library])
+                self.assertEqual(lane.get("skipped"), None if is_there else "not installed", name)
 
     def check_exact(self):
         runs = parsed("--backend", "cpu", "--scene", "coincident", "--scale", "0.2", "--frames", "2")["runs"]
