@@ -55,7 +55,7 @@ class DeviceMemory {
 
 inline constexpr uint32_t kDeviceSide = 24;
 
-/// Two layers of which the upper one falls through the lower one and rises again; both modes, every field.
+/// Two layers of which the upper one falls through the lower one and rises again; both modes, every field of contacts.
 inline v1::Scene make_device_scene(client::Client& client) {
   std::vector<std::array<uint32_t, 3>> triangles;
   const auto corners = layer_triangles(kDeviceSide);
@@ -66,7 +66,8 @@ inline v1::Scene make_device_scene(client::Client& client) {
   spec.set_position_format(v1::POSITION_FORMAT_F32);
   spec.set_thickness(0.5 / kDeviceSide);
   for (int field = v1::ContactField_MIN + 1; field <= v1::ContactField_MAX; ++field)
-    spec.add_fields(static_cast<v1::ContactField>(field));
+    if (v1::ContactField_IsValid(field) && field != v1::CONTACT_FIELD_PAIR_STATES)  // those are of solids
+      spec.add_fields(static_cast<v1::ContactField>(field));
   return client.create_scene(spec, {&mesh, 1});
 }
 
