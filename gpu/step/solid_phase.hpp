@@ -210,7 +210,7 @@ class SolidPhase {
   uint64_t find_depths() {
     const uint64_t count = found_.inside;
     if (count == 0) return 0;
-    buffers_.columns.reserve(count, needs_.fields_of(ContactKind::kVertexSolid));
+    buffers_.columns.reserve(buffers_.inside[0].capacity(), needs_.fields_of(ContactKind::kVertexSolid));
     do {
       buffers_.rivals.ensure(needs_.is_exact() ? max(found_.rivals, uint64_t{1}) : 0);
       exec_.fill_zero(&buffers_.counts.data()->rivals, sizeof(uint64_t));
