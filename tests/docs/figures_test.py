@@ -169,6 +169,25 @@ class Figures(unittest.TestCase):
             self.expect(caller, runs[name]["caller_ms"], name)
             self.assertEqual(contacts, f"{runs[name]['contacts']:,}")
 
+    def test_solids_beside_other_libraries(self):
+        found = result("solids/2026-11-30-cpu-solids-peers.json")
+        lanes = {f"{lane['library']}: {lane['name']}": lane for lane in found["lanes"]}
+        wrong, balls = (FIGURES.table(f"| {title} |")[1:] for title in ("wrong, of small cases", "two balls"))
+        self.assertEqual([[row[0] for row in rows] for rows in (wrong, balls)], [list(lanes)] * 2)
+        for name, *shown in wrong:
+            self.expect_counts(shown, lanes[name], ("inside", "on_surface", "depth", "depth_at_1e-5", "state", "deepest"))
+        for name, *shown in balls:
+            lane = lanes[name]["balls"]
+            self.expect_counts(shown[:3], lane, ("inside", "depth", "depth_at_1e-5"))
+            for number, time in zip(shown[3:], ("with_build", "again"), strict=True):
+                self.assertEqual(bool(number), time in lane, name)
+                if number:
+                    self.expect(number, lane[time]["cpu_ms"], (name, time))
+
+    def expect_counts(self, shown, counts, names):
+        """Wrong answers, of how many; no cell for what is not asked."""
+        self.assertEqual(shown, [f"{counts[name]['wrong']} of {counts[name]['of']:,}" if name in counts else "" for name in names])
+
     def expect_rows(self, after, path):
         rows, printed = FIGURES.table(after)[1:], words_of(path)
         self.assertGreater(len(rows), 10)
