@@ -30,7 +30,8 @@ std::optional<std::string> find_unbalanced_edge(const std::vector<Corners>& tria
     for (; end < uses.size() && uses[end] >> 1 == uses[begin] >> 1; ++end) ++counts[uses[end] & 1];
     if (counts[0] == counts[1]) continue;
     const std::string edge = "edge " + text(uses[begin] >> 32) + '-' + text((uses[begin] & 0xffffffff) >> 1) + " has ";
-    if (counts[0] + counts[1] == 1) return edge + "1 triangle: the mesh is open";
+    if (counts[0] + counts[1] == 1)
+      return edge + "1 triangle: the mesh is open, or has vertices in one place that are not one";
     return edge + count_of(std::max(counts[0], counts[1]), "triangle") + " in one direction and " +
            text(std::min(counts[0], counts[1])) + " in the other";
   }

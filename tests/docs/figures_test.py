@@ -169,6 +169,16 @@ class Figures(unittest.TestCase):
             self.expect(caller, runs[name]["caller_ms"], name)
             self.assertEqual(contacts, f"{runs[name]['contacts']:,}")
 
+    def test_questions_about_solids(self):
+        found = [{run["name"]: run for run in result(f"solids/2026-11-30-h200-solids{kind}.json")["runs"]}
+                 for kind in ("", "-exact", "-million")]
+        rows = FIGURES.table("| questions |")[1:]
+        self.assertEqual([row[0] for row in rows], list(found[0]))
+        for name, *shown in rows:
+            times = [runs[name][time] for runs in found for time in ("stages_sum_ms", "caller_ms")]
+            for number, time in zip(shown, times, strict=True):
+                self.expect(number, time, name)
+
     def test_solids_beside_other_libraries(self):
         found = result("solids/2026-11-30-cpu-solids-peers.json")
         lanes = {f"{lane['library']}: {lane['name']}": lane for lane in found["lanes"]}

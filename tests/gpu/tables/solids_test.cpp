@@ -60,7 +60,9 @@ TEST(Solids, HaveTrianglesAlone) {
 TEST(Solids, HaveNoHoles) {
   MeshSpec mesh = box();
   mesh.triangles.erase(mesh.triangles.begin() + 7);  // 2 7 3
-  EXPECT_EQ(refusal(mesh), "meshes[0].solid is on, but edge 2-3 has 1 triangle: the mesh is open");
+  EXPECT_EQ(refusal(mesh),
+            "meshes[0].solid is on, but edge 2-3 has 1 triangle: the mesh is open, or has "
+            "vertices in one place that are not one");
 }
 
 TEST(Solids, HaveEdgesOfBothDirections) {
