@@ -8,12 +8,12 @@
 
 namespace collided {
 
-/// A squared distance, which may be off by the error at most.
+/// Holds a squared distance that is off by at most `error`.
 struct RoughDistance {
   double squared, error;
 };
 
-/// Of the origin from triangle a b c.
+/// Returns the squared distance of the origin from triangle a b c.
 ///
 /// Closest points of a border are within a few units of the last place, and an error e in the place of a closest point
 /// adds e^2 to the squared distance. The height over the face is off by no more than S (1 + k) 2^-49, where S is the
@@ -28,7 +28,7 @@ COLLIDED_HD inline RoughDistance rough_distance(const Vec3<double> (&t)[3]) {
   return {closest_vertex_triangle(zero, t[0], t[1], t[2]).squared, (0x1p-44 + 0x1p-46 * narrowness) * size + 0x1p-900};
 }
 
-/// A triangle as seen from the vertex that is at the origin.
+/// Holds a triangle as the vertex at the origin sees it.
 struct SeenTriangle {
   Vec3<Twofold> corner[3];
   Vec3<Twofold> side[3];  ///< from corner k to the next
@@ -41,7 +41,7 @@ struct SeenTriangle {
   }
 };
 
-/// The closest point of a triangle.
+/// Holds how far the origin is from a triangle, and where the closest point is.
 struct PreciseDistance {
   double squared = 0, error = 0;  ///< of the sum of `squared` and `low`
   double low = 0;
@@ -49,7 +49,7 @@ struct PreciseDistance {
   Vec3<double> toward{};  ///< the direction to that point, near 1 in length or shorter
   int corners = 0;        ///< a bit for each corner that the point's feature has; 0: not certain
 
-  /// Whether this is less than `other`, more, or cannot be told: -1, 1, 0.
+  /// Returns -1 if this is less than `other`, 1 if it is more, 0 if the errors leave it open.
   COLLIDED_HD int compare(const PreciseDistance& other) const {
     const double difference = (squared - other.squared) + (low - other.low), errors = error + other.error;
     return difference > errors ? 1 : difference < -errors ? -1 : 0;
@@ -109,8 +109,8 @@ COLLIDED_HD COLLIDED_CALLED inline void keep_nearer_side(const SeenTriangle& t, 
 
 }  // namespace detail
 
-/// Of the origin from a triangle. With u = 2^-106, numbers of twice the precision are off by a few u of the magnitudes
-/// that they are made of; every error here is many times that.
+/// Returns how far the origin is from a triangle. With u = 2^-106, numbers of twice the precision are off by a few u of
+/// the magnitudes that they are made of; every error here is many times that.
 COLLIDED_HD inline PreciseDistance precise_distance(const SeenTriangle& t) {
   const Vec3<Twofold>& ab = t.side[0];
   const Vec3<Twofold> ac = {-t.side[2].x, -t.side[2].y, -t.side[2].z}, n = cross(ab, ac);

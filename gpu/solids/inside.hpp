@@ -10,7 +10,7 @@
 
 namespace collided {
 
-/// Numbers of a search; on the backend.
+/// Counts what a search has found. It lies on the backend.
 struct SolidCounts {
   uint64_t inside = 0;      ///< pairs of a vertex and a solid that it is in
   uint64_t doubtful = 0;    ///< pairs that double precision leaves open
@@ -20,7 +20,7 @@ struct SolidCounts {
   uint64_t rivals = 0;      ///< triangles that may be as near as the nearest ones (solids/nearest.hpp)
 };
 
-/// Where pairs of a vertex and a solid (pack_ids) go.
+/// Holds the lists that pairs of a vertex and a solid (pack_ids) go to.
 struct SolidLists {
   AppendList<uint64_t> inside, doubtful, open, on;
   uint64_t* inside_out;
@@ -31,7 +31,7 @@ struct SolidLists {
   }
 };
 
-/// Winding numbers of the solids with the lowest numbers from a certain one on, as many as there is room for.
+/// Adds up winding numbers, of as many solids as there is room for. Those with the lowest numbers from `first` on stay.
 class Windings {
  public:
   static constexpr uint32_t kNone = ~0u;
@@ -78,7 +78,7 @@ class Windings {
   bool is_doubtful_[kRoom];
 };
 
-/// Looks up from each vertex.
+/// Sends a ray up from each vertex.
 template <class Real>
 struct FindInside {
   SolidTree<Real> tree;

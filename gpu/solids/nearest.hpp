@@ -10,7 +10,7 @@
 
 namespace collided {
 
-/// Triangles that the threads of a group, which is one thread or a warp, share out among themselves.
+/// Shares out triangles among the threads of a group, which is one thread or a warp.
 class LeavesOfGroup {
  public:
   COLLIDED_HD explicit LeavesOfGroup(const Group& group) : group_(group) {}
@@ -23,7 +23,7 @@ class LeavesOfGroup {
   COLLIDED_HD bool has() const { return group_.rank < count_; }
   COLLIDED_HD uint32_t own() const { return own_; }
   COLLIDED_HD bool is_full() const { return count_ == group_.size; }
-  /// Whether it is time to look at them, since that saves looking at others.
+  /// Returns whether there are so many that to look at them saves looking at others.
   COLLIDED_HD bool are_many() const { return count_ >= kMany; }
   COLLIDED_HD void take() { count_ = 0; }
 
@@ -34,7 +34,7 @@ class LeavesOfGroup {
   uint32_t count_ = 0, own_ = 0;
 };
 
-/// What the threads of a group have measured.
+/// Holds what the threads of a group have measured.
 struct MeasuredByGroup {
   static constexpr uint32_t kMost = 32;
 
@@ -43,7 +43,7 @@ struct MeasuredByGroup {
   bool is_near[kMost];
 };
 
-/// A vertex in a solid, and the solid's triangles by their distances from it.
+/// Finds the triangles of a solid that are near a vertex inside it.
 template <class Real>
 class SolidFromVertex {
  public:
@@ -125,7 +125,7 @@ class SolidFromVertex {
     tree_.corners_of(place, corners);
     return precise_distance(SeenTriangle(from_, corners, scale_));
   }
-  /// Whether the closest points of two triangles are one point of a feature that they share.
+  /// Returns whether the closest points of two triangles are one point of a feature that they share.
   COLLIDED_HD bool share_point(uint32_t p, const PreciseDistance& of_p, uint32_t q, const PreciseDistance& of_q) const {
     if (of_p.corners == 0 || of_q.corners == 0) return false;
     const NamedFeature a = feature_of(p, of_p.corners), b = feature_of(q, of_q.corners);
@@ -166,7 +166,7 @@ class SolidFromVertex {
   double scale_;
 };
 
-/// A triangle of the table that may be as near to a vertex in a solid as the nearest one.
+/// Names a triangle of the table that may be as near to a vertex in a solid as the nearest one.
 struct Rival {
   uint32_t pair, place;
 };
@@ -231,7 +231,7 @@ struct FindNearest {
     if (!columns.weights.empty()) columns.weights[i] = {found.w0, found.w1};
     if (!columns.normals.empty()) columns.normals[i] = normal(found.toward);
   }
-  /// Of a direction of any length but 0.
+  /// Returns the unit vector of a direction, which has any length but 0.
   COLLIDED_HD static Normal normal(const Vec3<double>& toward) {
     const Vec3<double> near_1 = brought_near_1(toward);
     const double length = square_root(dot(near_1, near_1));

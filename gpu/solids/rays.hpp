@@ -12,10 +12,10 @@
 
 namespace collided {
 
-/// What a ray does to a triangle.
+/// Says what a ray does to a triangle.
 enum class RaySign { kPasses, kLeaves, kEnters, kDoubt };
 
-/// An area seen from above, and the magnitudes of its terms.
+/// Holds an area seen from above, and the magnitudes of its terms.
 struct AreaFromAbove {
   double value, magnitudes;
 
@@ -32,7 +32,7 @@ struct AreaFromAbove {
   static constexpr double kUnderflow = 0x1p-1000;  ///< far more than terms lose that are too small
 };
 
-/// What is certain of the ray from `from` and the triangle a b c.
+/// Returns what is certain of the ray from `from` and the triangle.
 COLLIDED_HD inline RaySign look_along_ray(const Vec3<double>& from, const Vec3<double> (&triangle)[3]) {
   const Vec3<double> a = triangle[0] - from, b = triangle[1] - from, c = triangle[2] - from;
   if (a.z < 0 && b.z < 0 && c.z < 0) return RaySign::kPasses;
@@ -53,7 +53,7 @@ COLLIDED_HD inline RaySign look_along_ray(const Vec3<double>& from, const Vec3<d
   return left > 0 ? RaySign::kLeaves : RaySign::kEnters;
 }
 
-/// Whether the ray may meet what is in the box, or its beginning may be on it.
+/// Returns whether the ray may meet what is in the box, or may begin on it.
 COLLIDED_HD inline bool may_meet(const Vec3<double>& from, const Box<float>& box) {
   return double{box.lo.x} <= from.x && from.x <= double{box.hi.x} && double{box.lo.y} <= from.y &&
          from.y <= double{box.hi.y} && from.z <= double{box.hi.z};

@@ -9,7 +9,7 @@
 
 namespace collided {
 
-/// Where a triangle of a solid is.
+/// Returns the box of a solid's triangle.
 template <class Real>
 struct ExtentOfSolid {
   const Vec3<Real>* positions;
@@ -22,7 +22,7 @@ struct ExtentOfSolid {
   }
 };
 
-/// How the bits of a key are shared out.
+/// Says how many bits of a key tell what.
 struct SolidKeyBits {
   int place, solid, triangle;  ///< of a solid's place and a triangle's, along each axis
 
@@ -38,7 +38,7 @@ struct SolidKeyBits {
   static constexpr uint64_t kFew = 16;  ///< so many are as well off in the order of their numbers
 };
 
-/// Boxes, and keys to sort them by.
+/// Makes the boxes of all triangles, and the keys to sort them by.
 template <class Real>
 struct PlaceSolids {
   ExtentOfSolid<Real> extent;
@@ -57,7 +57,7 @@ struct PlaceSolids {
     places[i] = static_cast<uint32_t>(i);
     meeting[i] = kNoNode;
   }
-  /// Of a solid, which is where its first triangle is.
+  /// Returns the key of a solid. Its place is that of its first triangle.
   COLLIDED_HD uint64_t key_of(uint32_t solid, const Box<float>& all) const {
     const Box<float> first = outward_float(extent(first_places[solid]));
     const uint64_t place = bits.place == 0 ? 0 : MortonKeys::morton_of(first, all, bits.place);
@@ -65,7 +65,7 @@ struct PlaceSolids {
   }
 };
 
-/// The part of the hierarchy that a solid has to itself.
+/// Tells where in the hierarchy a solid's own part is.
 struct SolidPart {
   uint32_t node;  ///< that all its triangles are below; kNoNode: it is all
   uint32_t left;  ///< the left one of the two children
@@ -106,7 +106,7 @@ struct FindParts {
   }
 };
 
-/// The solids' triangles where they are, and the hierarchy over them.
+/// Holds the solids' triangles where they are, and the hierarchy over them.
 template <class Real>
 struct SolidTree {
   const Vec3<Real>* positions;

@@ -9,10 +9,10 @@
 
 namespace collided {
 
-/// An edge and a triangle.
+/// Names an edge and a triangle.
 using EdgeAndTriangle = std::array<uint32_t, 2>;
 
-/// What a frame has found of its solids.
+/// Holds what a frame has found of its solids.
 struct FoundInSolids {
   const SolidMeshes& meshes;
   const ContactSet& crossings;               ///< edges that go through triangles, ties among them

@@ -50,7 +50,7 @@ class SolidResults {
       return overlap(first, second);
     });
   }
-  /// Of meshes that only touch.
+  /// Returns whether two meshes that only touch have a volume in common, or triangles that go through each other.
   bool overlap(uint32_t first, uint32_t second) {
     const std::vector<bool>& are_solid = scene_.topology.solids.are_solid;
     const SolidMeshes& meshes = scene_.topology.solids;

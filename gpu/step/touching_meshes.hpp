@@ -10,7 +10,7 @@
 
 namespace collided {
 
-/// A mesh with its vertices where they are.
+/// Holds a mesh with its vertices where they are.
 class MeshOnHost {
  public:
   /// read(first vertex, count): the positions of a run of vertices.
@@ -40,8 +40,8 @@ class MeshOnHost {
   std::vector<std::array<uint32_t, 3>> triangles_;  ///< counted in the mesh
 };
 
-/// Whether triangles of two meshes go through each other. `ties`: edges and triangles of any meshes that meet. The ends
-/// of a segment in which two triangles go through each other are such ties of theirs.
+/// Returns whether triangles of two meshes go through each other. `ties`: edges and triangles of any meshes that meet.
+/// The ends of a segment in which two triangles go through each other are such ties of theirs.
 bool triangles_go_through(const SolidMeshes& meshes, const std::vector<EdgeAndTriangle>& ties, uint32_t first,
                           uint32_t second, const MeshOnHost& of_first, const MeshOnHost& of_second);
 
