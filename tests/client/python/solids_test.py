@@ -187,6 +187,8 @@ class EndToEnd(Case):
         moving = session.step({"box": INNER + [0, 0, 3]})
         self.refused(collided.FailedPrecondition, "frame 1 has no states of pairs", lambda: moving.pairs)
         self.assertEqual(session.step(mode="dcd").pairs[0].state, PairState.OVERLAPPING)
+        candidates = session.step(mode="dcd", accuracy="candidates")
+        self.refused(collided.FailedPrecondition, "no states of pairs", lambda: candidates.pairs)
         any_hit = session.step(mode="dcd", report="any_hit")
         self.refused(collided.FailedPrecondition, "no states of pairs", lambda: any_hit.pairs)
         self.assertTrue(any_hit.any_contact)

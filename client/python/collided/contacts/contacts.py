@@ -140,8 +140,8 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
         """Says which meshes touch, overlap, or are one inside the other: the pairs, one of them a solid, that are not apart. A selection
         of contacts has the pairs of the whole frame.
 
-        Raises FailedPrecondition for frames without them: frames of CCD, with a report of one contact, or of a scene without the field
-        "pair_states", and frames that are watched."""
+        Raises FailedPrecondition for frames without them: frames of CCD, at CANDIDATES, with a report of one contact, or of a scene
+        without the field "pair_states", and frames that are watched."""
         if self.answer.pairs is None:
             raise FailedPrecondition(f"frame {self.frame_id} has no states of pairs: frames of DCD with the report \"all\" have them, in "
                                      'scenes with a solid and the field "pair_states"', field="fields")

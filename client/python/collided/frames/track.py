@@ -88,6 +88,8 @@ class Track:
         """Returns True if the answer to a frame has states of pairs. spec: that of the scene, as it was created."""
         if contact_pb2.CONTACT_FIELD_PAIR_STATES not in spec.fields or self.has_motion(head):
             return False
+        if head.accuracy == scene_pb2.ACCURACY_CANDIDATES:
+            return False
         return (head.report or spec.report or scene_pb2.REPORT_ALL) == scene_pb2.REPORT_ALL
 
     def next_id(self) -> int:
