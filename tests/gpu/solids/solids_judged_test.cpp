@@ -1,0 +1,123 @@
+// Vertices in solids, their depths, and how meshes lie to each other, against the judge: thousands of pairs of bodies on
+// small lattices, where most ties happen, and the same turned, where most are nearly ties.
+
+#include <cmath>
+
+#include "tests/gpu/solids/judged_solids.hpp"
+
+namespace collided::test {
+namespace {
+
+constexpr std::array kLevels = {Accuracy::kFast, Accuracy::kGuarded, Accuracy::kCertified, Accuracy::kExact};
+constexpr int kSlots = 500;     ///< places of a scene, far from each other
+constexpr double kSpacing = 8;  ///< more than a body's size
+
+Vec3d slot(int i) { return {kSpacing * (i % 8), kSpacing * (i / 8 % 8), kSpacing * (i / 64)}; }
+
+/// Two bodies in each slot: most are solids, some are the same twice or no solid, some slots have three.
+SolidsScene random_pairs(uint32_t seed) {
+  RandomBodies random(seed);
+  SolidsScene scene;
+  for (int i = 0; i < kSlots; ++i) {
+    const int size = 3 + random.below(2);
+    const Body first = random.any(size);
+    add_solid(scene, moved(random.shuffled(first), slot(i)));
+    const int kind = random.below(20);
+    if (kind == 0) add_solid(scene, moved(random.shuffled(first), slot(i)));
+    if (kind > 0 && kind < 18) add_solid(scene, moved(random.shuffled(random.any(size)), slot(i)));
+    if (kind < 17) continue;
+    Positions positions;
+    const MeshSpec loose = random.loose(size, positions);
+    for (Vec3d& p : positions)
+      for (size_t k = 0; k < 3; ++k) p[k] += slot(i)[k];
+    add_surface(scene, loose, positions);
+  }
+  return scene;
+}
+
+/// About no axis.
+Vec3d turned(const Vec3d& p) {
+  const double a = 0.6, b = 1.1;
+  const Vec3d q{std::cos(a) * p[0] - std::sin(a) * p[1], std::sin(a) * p[0] + std::cos(a) * p[1], p[2]};
+  return {q[0], std::cos(b) * q[1] - std::sin(b) * q[2], std::sin(b) * q[1] + std::cos(b) * q[2]};
+}
+class SolidsJudged : public OnBackend<> {};
+
+TEST_F(SolidsJudged, PairsOnLattices) {
+  Tally tally;
+  for (uint32_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const JudgedScene scene(random_pairs(seed));
+    ASSERT_TRUE(scene.expect_at(Accuracy::kExact, Scalar::kF64, tally));
+    ASSERT_TRUE(scene.expect_at(kLevels[seed % 4], seed % 8 < 4 ? Scalar::kF32 : Scalar::kF64, tally));
+  }
+  tally.print("lattices");
+  tally.expect_all();
+}
+
+/// Numbers with a wide range, far from 0 and near it: the lattice stays one.
+TEST_F(SolidsJudged, LatticesFarAwayAndTiny) {
+  Tally tally;
+  for (const auto& [scale, by] : {std::pair{1.0, 0x1p40}, {0x1p-300, 0.0}, {0x1p-1073, 0.0}, {0x1p300, -0x1p30}}) {
+    SCOPED_TRACE("scale " + std::to_string(std::log2(scale)) + " by " + std::to_string(by));
+    const JudgedScene scene(placed(random_pairs(100), scale, by));
+    for (const Accuracy accuracy : {Accuracy::kExact, Accuracy::kFast})
+      ASSERT_TRUE(scene.expect_at(accuracy, Scalar::kF64, tally));
+  }
+  tally.print("far away and tiny");
+  tally.expect_all();
+}
+
+/// Bodies of the same lattice turned and rounded: whatever touched is now a little apart or within.
+TEST_F(SolidsJudged, TurnedLattices) {
+  Tally tally;
+  for (uint32_t seed = 1; seed <= 4; ++seed) {
+    const Scalar scalar = seed % 2 == 0 ? Scalar::kF32 : Scalar::kF64;
+    RandomBodies random(seed);
+    SolidsScene scene;
+    for (int i = 0; i < 150; ++i)
+      for (int k = 0; k < 2; ++k) add_solid(scene, moved(random.shuffled(random.tetrahedron(3)), slot(i)));
+    for (Positions& mesh : scene.c.end)
+      for (Vec3d& p : mesh) p = turned(p);
+    scene.c.start = scene.c.end;
+    scene.c = rounded(scene.c, scalar);
+    for (size_t m = 0; m < scene.pieces.size(); ++m)
+      scene.pieces[m] = {{scene.c.end[m], scene.c.meshes[m].triangles}};
+    const JudgedScene judged(std::move(scene));
+    for (const Accuracy accuracy : kLevels) ASSERT_TRUE(judged.expect_at(accuracy, scalar, tally));
+  }
+  tally.print("turned");
+  for (const uint64_t count : {tally.states[1], tally.states[3], tally.apart, tally.inside}) EXPECT_GT(count, 0u);
+}
+
+/// Rays that go up meet all solids of a column, which also reach into each other; all may touch but for masks.
+TEST_F(SolidsJudged, ColumnsAndMasks) {
+  Tally tally;
+  size_t excluded = 0;
+  for (uint32_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RandomBodies random(seed);
+    SolidsScene scene;
+    const bool has_rules = seed % 2 == 0;
+    for (int i = 0; i < 14; ++i) {
+      add_solid(scene, moved(random.shuffled(random.any(3)), {0, 0, static_cast<double>(random.below(12))}));
+      MeshSpec& mesh = scene.c.meshes.back();
+      if (!has_rules) continue;
+      mesh.groups = 1u << random.below(3), mesh.collide_mask = static_cast<uint32_t>(random.below(8));
+      if (random.below(5) == 0) mesh.motion = MeshMotion::kStatic;
+      if (random.below(6) == 0) mesh.solid = false, scene.pieces.back().clear();
+      const auto other = static_cast<uint32_t>(random.below(i + 1));
+      if (other < scene.c.meshes.size() - 1)
+        scene.excluded.push_back({static_cast<uint32_t>(scene.c.meshes.size()) - 1, other});
+    }
+    excluded += scene.excluded.size();
+    const JudgedScene judged(std::move(scene));
+    ASSERT_TRUE(judged.expect_at(kLevels[seed % 4], seed % 3 == 0 ? Scalar::kF32 : Scalar::kF64, tally));
+  }
+  EXPECT_GT(excluded, 100u);
+  tally.print("columns");
+  tally.expect_all();
+}
+
+}  // namespace
+}  // namespace collided::test
