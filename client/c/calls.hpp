@@ -76,6 +76,8 @@ template <>
 inline constexpr size_t kFirstSize<collided_contacts> = 72;
 template <>
 inline constexpr size_t kFirstSize<collided_facts> = 200;
+template <>
+inline constexpr size_t kFirstSize<collided_mesh_pair> = 40;
 
 /// Throws InvalidInput for a size that no version of the structure has.
 template <class T>

@@ -168,6 +168,8 @@ void fill_counts(const FrameCounts& counts, collided_facts& facts) {
       },
       counts.candidates, counts.survivors, counts.contacts);
   facts.edge_triangle_contacts = counts.contacts.edge_triangle;
+  facts.vertex_solid_contacts = counts.contacts.vertex_solid;
+  facts.inside_out = counts.inside_out;
 }
 
 collided_facts facts_of(const FrameResult& result) {
@@ -185,6 +187,7 @@ collided_facts facts_of(const FrameResult& result) {
   facts.graph_launches = result.graph_launches;
   facts.broad_phase_engine = c::enumerator_of(result.broad_phase.engine);
   fill_counts(result.counts, facts);
+  facts.mesh_pair_count = result.pair_states.size();
   facts.way = result.way;
   const ShortenedWays& shortened = result.shortened;
   facts.shortened_count = shortened.ids.size();
@@ -195,8 +198,35 @@ collided_facts facts_of(const FrameResult& result) {
   return facts;
 }
 
+int32_t enumerator_of(PairState state) {
+  switch (state) {
+    case PairState::kTouching:
+      return COLLIDED_PAIR_TOUCHING;
+    case PairState::kOverlapping:
+      return COLLIDED_PAIR_OVERLAPPING;
+    case PairState::kFirstInside:
+      return COLLIDED_PAIR_FIRST_INSIDE;
+    case PairState::kSecondInside:
+      return COLLIDED_PAIR_SECOND_INSIDE;
+  }
+  return 0;
+}
+
+collided_mesh_pair pair_of(const MeshPairState& state) {
+  static_assert(MeshPairState::kNoVertex == UINT32_MAX, "collided.h says so");
+  collided_mesh_pair pair{};
+  pair.first = state.first;
+  pair.second = state.second;
+  pair.state = enumerator_of(state.state);
+  pair.first_inside = state.first_inside;
+  pair.second_inside = state.second_inside;
+  pair.deepest = state.deepest;
+  pair.depth = state.depth;
+  return pair;
+}
+
 template <class T>
-const T& at(const std::vector<T>& values, uint32_t index) {
+const T& at(const std::vector<T>& values, uint64_t index) {
   if (index >= values.size())
     throw InvalidInput("index",
                        "index is " + std::to_string(index) + ", but there are " + std::to_string(values.size()));
@@ -321,6 +351,11 @@ collided_status collided_result_limits(const collided_result* result, int32_t ki
 
 collided_status collided_result_facts(const collided_result* result, collided_facts* facts) {
   return c::guarded([&] { c::write_structure(facts, facts_of(c::required(result, "result")->frame), "facts"); });
+}
+
+collided_status collided_result_mesh_pair(const collided_result* result, uint64_t index, collided_mesh_pair* pair) {
+  return c::guarded(
+      [&] { c::write_structure(pair, pair_of(at(c::required(result, "result")->frame.pair_states, index)), "pair"); });
 }
 
 collided_status collided_result_stage(const collided_result* result, uint32_t index, const char** name,

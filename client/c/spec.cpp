@@ -49,6 +49,8 @@ MeshSpec parse_mesh(const collided_mesh& from, const std::string& field) {
   mesh.excluded_rings = from.excluded_rings;
   mesh.excludes_rest_pairs = from.excludes_rest_pairs != 0;
   mesh.half_thickness = from.half_thickness;
+  check_reserved(from.reserved2, field + ".reserved2");
+  mesh.solid = from.solid != 0;
   return mesh;
 }
 
@@ -76,20 +78,26 @@ void parse_kinds(uint32_t mask, SceneSpec& engine) {
 }
 
 constexpr std::pair<uint32_t, ContactField> kFields[] = {
-    {COLLIDED_FIELDS_ELEMENTS, ContactField::kElements}, {COLLIDED_FIELDS_TOI, ContactField::kToi},
-    {COLLIDED_FIELDS_DISTANCE, ContactField::kDistance}, {COLLIDED_FIELDS_WEIGHTS, ContactField::kWeights},
-    {COLLIDED_FIELDS_NORMALS, ContactField::kNormals},   {COLLIDED_FIELDS_FLAGS, ContactField::kFlags},
-    {COLLIDED_FIELDS_FEATURES, ContactField::kFeatures}};
+    {COLLIDED_FIELDS_ELEMENTS, ContactField::kElements},
+    {COLLIDED_FIELDS_TOI, ContactField::kToi},
+    {COLLIDED_FIELDS_DISTANCE, ContactField::kDistance},
+    {COLLIDED_FIELDS_WEIGHTS, ContactField::kWeights},
+    {COLLIDED_FIELDS_NORMALS, ContactField::kNormals},
+    {COLLIDED_FIELDS_FLAGS, ContactField::kFlags},
+    {COLLIDED_FIELDS_FEATURES, ContactField::kFeatures},
+    {COLLIDED_FIELDS_SIGNED_DISTANCE, ContactField::kSignedDistance}};
 
 void parse_fields(uint32_t mask, Spec& spec) {
-  constexpr uint32_t kAll = 2 * COLLIDED_FIELDS_FEATURES - 1;
-  constexpr uint32_t kOnlyIfNamed = COLLIDED_FIELDS_WEIGHTS | COLLIDED_FIELDS_NORMALS | COLLIDED_FIELDS_FEATURES;
+  constexpr uint32_t kAll = 2 * COLLIDED_FIELDS_PAIR_STATES - 1;
+  constexpr uint32_t kOnlyIfNamed = COLLIDED_FIELDS_WEIGHTS | COLLIDED_FIELDS_NORMALS | COLLIDED_FIELDS_FEATURES |
+                                    COLLIDED_FIELDS_SIGNED_DISTANCE | COLLIDED_FIELDS_PAIR_STATES;
   check_mask(mask, kAll, "fields");
   if (mask == 0) mask = kAll & ~kOnlyIfNamed;
   for (const auto& [bit, field] : kFields)
     if ((mask & bit) != 0) spec.fields = spec.fields.with(field);
   spec.stencils = (mask & COLLIDED_FIELDS_STENCILS) != 0;
   spec.engine.fields = spec.fields;
+  spec.engine.pair_states = (mask & COLLIDED_FIELDS_PAIR_STATES) != 0;
 }
 
 void parse_format(const collided_scene_spec& from, SceneSpec& engine) {

@@ -13,7 +13,7 @@
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/input/step_input.hpp"
 #include "client/app/options/exclusion_options.hpp"
-#include "client/app/options/half_thickness.hpp"
+#include "client/app/options/mesh_options.hpp"
 #include "client/app/options/options.hpp"
 #include "client/app/options/usage_error.hpp"
 #include "client/app/output/contact_files.hpp"
@@ -206,7 +206,7 @@ void run(const DetectOptions& options) {
   check_writable("--vtp", options.vtp);
   check_writable("--ply", options.ply);
   const StepInput step = read_step(options);
-  std::vector<client::MeshInput> meshes = thick_inputs(step.meshes, options.detection);
+  std::vector<client::MeshInput> meshes = described_inputs(step.meshes, options.detection);
   options.exclusions.apply_to(meshes);
   for (client::MeshInput& mesh : meshes) mesh.no_self_contacts = meshes.size() > 1 && !options.has_self_contacts;
   v1::SceneSpec spec =
@@ -219,6 +219,8 @@ void run(const DetectOptions& options) {
   Connection connection(options.server);
   if (has_files(options) || options.is_kept || stands_still)
     connection.ask_for_all_fields(spec);  // which say where meshes meet
+  if (has_solids(options.detection) && options.detection.report == "all")
+    spec.add_fields(v1::CONTACT_FIELD_PAIR_STATES);
   if (options.is_kept && std::ranges::count(spec.fields(), int{v1::CONTACT_FIELD_FEATURES}) == 0)
     spec.add_fields(v1::CONTACT_FIELD_FEATURES);  // an older daemon is refused, rather than nothing left out
   const SceneGuard scene = connection.create_scene(spec, meshes);
@@ -256,6 +258,7 @@ void add_detect(CLI::App& app) {
       "  collidectl detect ball.ply box.obj\n"
       "  collidectl detect --self body.stl && echo free of self-intersection\n"
       "  collidectl detect ball.ply box.obj --thickness 0.01 --out contacts.csv\n"
+      "  collidectl detect --solid part.stl housing.stl\n"
       "  collidectl detect --frames before.ply after.ply\n"
       "\n"
       "Exit codes: 0 done, 1 failure, 2 bad usage, 3 done, but with --self a mesh is not free of self-intersection, "
@@ -274,7 +277,7 @@ void add_detect(CLI::App& app) {
   command.add_flag("--kept", options->is_kept,
                    "List only contacts that no other one covers, one for each local minimum of distance (dcd)");
   add_detection_options(command, options->detection);
-  add_half_thickness_option(command, options->detection);
+  add_mesh_options(command, options->detection);
   add_advance_options(command, options->detection);
   add_ring_option(command, options->exclusions.rings);
   add_server_options(command, options->server);

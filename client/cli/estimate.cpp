@@ -7,7 +7,7 @@
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/options/exclusion_options.hpp"
 #include "client/app/options/finite.hpp"
-#include "client/app/options/half_thickness.hpp"
+#include "client/app/options/mesh_options.hpp"
 #include "client/app/options/options.hpp"
 #include "client/app/options/scene_options.hpp"
 #include "client/app/options/usage_error.hpp"
@@ -104,7 +104,8 @@ Json estimate_json(const v1::EstimateSceneResponse& estimate) {
            {{"vertex_triangle", contact.vertex_triangle()},
             {"edge_edge", contact.edge_edge()},
             {"triangle_triangle", contact.triangle_triangle()},
-            {"edge_triangle", contact.edge_triangle()}}},
+            {"edge_triangle", contact.edge_triangle()},
+            {"vertex_solid", contact.vertex_solid()}}},
           {"memory_bytes", memory_bytes(estimate)},
           {"first_frame_bytes", estimate.first_frame_bytes()},
           {"frame_bytes", estimate.frame_bytes()},
@@ -128,9 +129,9 @@ SceneCost cost_of(const Workload& workload, const v1::EstimateSceneResponse& est
   cost.step_ms = workload.step_ms;
   const v1::ContactBytes& contact = estimate.contact_bytes();
   if (workload.contacts)
-    cost.bytes_out =
-        static_cast<double>(*workload.contacts) * std::max({contact.vertex_triangle(), contact.edge_edge(),
-                                                            contact.triangle_triangle(), contact.edge_triangle()});
+    cost.bytes_out = static_cast<double>(*workload.contacts) *
+                     std::max({contact.vertex_triangle(), contact.edge_edge(), contact.triangle_triangle(),
+                               contact.edge_triangle(), contact.vertex_solid()});
   if (!measured) return cost;
   cost.memory_bytes = std::max(cost.memory_bytes, measured->device_bytes);
   if (!workload.contacts) cost.bytes_out = measured->bytes_out;
@@ -140,7 +141,7 @@ SceneCost cost_of(const Workload& workload, const v1::EstimateSceneResponse& est
 
 Capacity capacity_of(const EstimateOptions& options) {
   const BenchInput input = read_input(options);
-  const std::vector<client::MeshInput> meshes = thick_inputs(input.meshes, options.detection);
+  const std::vector<client::MeshInput> meshes = described_inputs(input.meshes, options.detection);
   const v1::SceneSpec spec = spec_of(options, input);
   Connection connection(options.server);
   v1::SceneSpec estimated = spec;
@@ -252,7 +253,7 @@ void add_estimate(CLI::App& app) {
   add_input_options(command, *options);
   add_workload_options(command, *options);
   add_detection_options(command, options->detection);
-  add_half_thickness_option(command, options->detection);
+  add_mesh_options(command, options->detection);
   add_mesh_pairs_option(command, options->exclusions);
   add_server_options(command, options->server);
   add_position_format_option(command, options->position_format);

@@ -11,7 +11,7 @@
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/input/motion.hpp"
 #include "client/app/input/step_input.hpp"
-#include "client/app/options/half_thickness.hpp"
+#include "client/app/options/mesh_options.hpp"
 #include "client/app/options/options.hpp"
 #include "client/app/options/scene_options.hpp"
 #include "client/app/options/usage_error.hpp"
@@ -128,7 +128,7 @@ class Renderer {
         pictures_(pictures),
         connection_(options.server),
         spec_(spec_of()),
-        scene_(connection_.create_scene(spec_, thick_inputs(motion.meshes, options.detection))),
+        scene_(connection_.create_scene(spec_, described_inputs(motion.meshes, options.detection))),
         stream_(connection_.stream(*scene_)),
         drawing_(options.picture, motion) {
     if (options.has_crossings) crossings_.emplace(connection_, options, motion);
@@ -300,7 +300,7 @@ void add_render(CLI::App& app) {
       ->expected(1, CLI::detail::expected_max_vector_size);
   add_picture_options(command, *options);
   add_detection_options(command, options->detection);
-  add_half_thickness_option(command, options->detection);
+  add_mesh_options(command, options->detection);
   add_server_options(command, options->server);
   add_automatic_format_option(command, options->position_format);
   command.add_flag("--json", options->json, "Print one JSON object");

@@ -11,7 +11,7 @@
 #include "client/app/input/motion.hpp"
 #include "client/app/input/rigid_motion.hpp"
 #include "client/app/options/exclusion_options.hpp"
-#include "client/app/options/half_thickness.hpp"
+#include "client/app/options/mesh_options.hpp"
 #include "client/app/options/options.hpp"
 #include "client/app/options/scene_options.hpp"
 #include "client/app/options/usage_error.hpp"
@@ -176,7 +176,7 @@ void run(StreamOptions& options) {
   check_writable("--record", options.record);
   check_files(options.detection, options.contacts);
   const Motion motion = options.files.empty() ? scene_motion(options.scene) : file_motion(options.files);
-  std::vector<client::MeshInput> meshes = thick_inputs(motion.meshes, options.detection);
+  std::vector<client::MeshInput> meshes = described_inputs(motion.meshes, options.detection);
   options.exclusions.apply_to(meshes);
   Play played{options, motion, spec_of(options, motion), {}};
   options.exclusions.exclude_meshes(played.spec, meshes);
@@ -203,7 +203,7 @@ void add_stream(CLI::App& app) {
       ->type_name("FILE");
   add_optional_scene_options(command, options->scene);
   add_detection_options(command, options->detection);
-  add_half_thickness_option(command, options->detection);
+  add_mesh_options(command, options->detection);
   add_advance_options(command, options->detection);
   command.add_option("--rigid", options->rigid, "Meshes that move as rigid bodies, and send poses, such as ball")
       ->type_name("NAME")

@@ -13,7 +13,7 @@
 #include "client/app/daemon/interrupt.hpp"
 #include "client/app/input/mesh_input.hpp"
 #include "client/app/options/finite.hpp"
-#include "client/app/options/half_thickness.hpp"
+#include "client/app/options/mesh_options.hpp"
 #include "client/app/options/options.hpp"
 #include "client/app/options/scene_options.hpp"
 #include "client/app/options/usage_error.hpp"
@@ -86,7 +86,7 @@ struct Demo {
 
   SceneGuard make_scene(const DetectionOptions& detection, Connection& connection) {
     spec.set_display_name(shown_name(motion.name));
-    return connection.create_scene(spec, thick_inputs(motion.meshes, detection));
+    return connection.create_scene(spec, described_inputs(motion.meshes, detection));
   }
 
   Motion motion;
@@ -158,7 +158,7 @@ void add_demo_options(CLI::App& command, ViewCommand& options) {
   for (const char* of_scenes : {"--frames", "--t0", "--dt", "--scale"}) command.get_option(of_scenes)->needs(scene);
   command.add_option("--play", options.files, "Demo: plays mesh files, a frame each, to and fro");
   add_detection_options(command, options.detection);
-  add_half_thickness_option(command, options.detection);
+  add_mesh_options(command, options.detection);
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ void fill_mesh(const MeshInput& mesh, v1::MeshSpec& out) {
   out.set_exclude_rings(mesh.exclude_rings);
   out.set_exclude_rest_pairs(mesh.exclude_rest_pairs);
   out.set_half_thickness(mesh.half_thickness);
+  out.set_solid(mesh.solid);
   out.set_triangle_count(static_cast<uint32_t>(mesh.triangles.size()));
   out.set_edges(mesh.edges.data(), mesh.edges.size_bytes());
   out.set_points(mesh.points.data(), mesh.points.size_bytes());

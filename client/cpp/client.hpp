@@ -34,6 +34,9 @@ struct MeshInput {
   /// Half of what it is thick beyond the spec's thickness, >= 0, finite, in the unit of the positions: two meshes are
   /// in contact up to the thickness and both halves, a mesh and itself up to the thickness and twice its half.
   double half_thickness = 0;
+  /// It bounds a volume: of triangles alone, closed, with normals outwards. Then scenes can ask what is inside it, with
+  /// v1::CONTACT_KIND_VERTEX_SOLID, v1::CONTACT_FIELD_PAIR_STATES and v1::CONTACT_FIELD_SIGNED_DISTANCE.
+  bool solid = false;
 };
 
 /// The mesh as an edit brings it (FrameOptions::edit): added, or in place of another; with its elements, or without
@@ -79,6 +82,7 @@ class Client {
   /// The daemon's version, devices and limits, as of the connection.
   const v1::GetServerInfoResponse& server_info() const;
   /// Lists all fields of contacts that the daemon knows, for SceneSpec.fields. An older daemon may lack the last ones.
+  /// States of pairs of meshes are not among them: they are no field of a contact, and need a solid.
   std::vector<v1::ContactField> contact_fields() const;
   /// Creates a scene of `spec` (which must have no meshes) and `meshes`, ready for frames. Retries if the answer is
   /// lost, without ever creating two scenes. The scene is deleted after `lease_seconds` without a stream or a call; 0:

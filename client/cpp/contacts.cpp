@@ -17,7 +17,8 @@ namespace {
 
 constexpr int kDataLoss = 15;
 
-static_assert(kColumnCount + 1 == v1::ContactField_ARRAYSIZE, "a field of contacts has no column");
+// Of the numbers of fields 0 and 9 are none, and the states of pairs of meshes are no column.
+static_assert(kColumnCount + 3 == v1::ContactField_ARRAYSIZE, "a field of contacts has no column");
 
 /// visit(name, bytes in the message, range in shared memory, array of each of `structs`) for each column.
 template <class Visit, class... Structs>
@@ -31,6 +32,7 @@ void for_each_array(const v1::ContactChunk& chunk, const Visit& visit, Structs&.
   visit("normals", chunk.normals(), shared.normals(), structs.normals...);
   visit("flags", chunk.flags(), shared.flags(), structs.flags...);
   visit("features", chunk.features(), shared.features(), structs.features...);
+  visit("signed_distances", chunk.signed_distances(), shared.signed_distances(), structs.signed_distances...);
 }
 
 /// Arrays of one chunk, in the message or in shared memory.
@@ -66,14 +68,18 @@ class Arrays {
 /// A count that no array confirms must not make callers reserve memory for nothing.
 constexpr uint64_t kMaxBareCount = 1 << 24;
 
-void check_numbers(const Contacts& contacts, uint64_t first) {
+void check_distance(v1::ContactKind kind, double distance) {
+  const bool is_depth = kind == v1::CONTACT_KIND_VERTEX_SOLID;
+  if (!(is_depth ? distance <= 0 : distance >= 0))
+    throw Error(kDataLoss, "contacts.distance has " + std::to_string(distance) + "; it must be 0 or " +
+                               (is_depth ? "less" : "more"));
+}
+
+void check_numbers(v1::ContactKind kind, const Contacts& contacts, uint64_t first) {
   for (size_t i = first; i < contacts.toi.size(); ++i)
     if (!(contacts.toi[i] >= 0 && contacts.toi[i] <= 1))
       throw Error(kDataLoss, "contacts.toi has " + std::to_string(contacts.toi[i]) + "; it must be in [0, 1]");
-  for (size_t i = first; i < contacts.distance.size(); ++i)
-    if (!(contacts.distance[i] >= 0))
-      throw Error(kDataLoss,
-                  "contacts.distance has " + std::to_string(contacts.distance[i]) + "; it must be 0 or more");
+  for (size_t i = first; i < contacts.distance.size(); ++i) check_distance(kind, contacts.distance[i]);
   bool is_bare = true;
   for_each_column([&](v1::ContactField, auto column) { is_bare &= (contacts.*column).empty(); });
   if (is_bare && contacts.count > kMaxBareCount)
@@ -95,7 +101,7 @@ void append(Contacts& contacts, const v1::ContactChunk& chunk, const FrameTransp
       contacts);
   arrays.append("worlds", chunk.worlds(), chunk.shared().worlds(), contacts.worlds);
   contacts.count += chunk.count();
-  check_numbers(contacts, before);
+  check_numbers(chunk.kind(), contacts, before);
 }
 
 Contacts kept(const Contacts& contacts) {
@@ -135,7 +141,7 @@ void check_ids(v1::ContactKind kind, const Contacts& contacts, uint64_t first, c
     const bool is_edges = kind == v1::CONTACT_KIND_EDGE_EDGE;
     const auto check_edge = [&](uint32_t id) { check("elements", id, 3 * size.elements, " edges at most"); };
     const auto check_element = [&](uint32_t id) { check("elements", id, size.elements, " elements"); };
-    if (kind == v1::CONTACT_KIND_VERTEX_TRIANGLE)
+    if (kind == v1::CONTACT_KIND_VERTEX_TRIANGLE || kind == v1::CONTACT_KIND_VERTEX_SOLID)
       check("elements", a, size.vertices, " vertices");
     else
       is_edges || kind == v1::CONTACT_KIND_EDGE_TRIANGLE ? check_edge(a) : check_element(a);

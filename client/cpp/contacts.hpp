@@ -18,12 +18,15 @@ struct Contacts {
   std::vector<std::array<uint32_t, 2>> elements;  ///< the two features, by ids of the whole scene
   std::vector<std::array<uint32_t, 4>> stencils;  ///< their vertices
   std::vector<double> toi;                        ///< fraction of the step, 0 to 1
-  std::vector<double> distance;                   ///< in the unit of the positions
-  std::vector<std::array<double, 2>> weights;     ///< of the triangle's second and third corner, or along both edges
-  std::vector<std::array<float, 3>> normals;      ///< unit, from the second feature to the first
-  std::vector<uint8_t> flags;                     ///< masks of v1::ContactFlag
-  std::vector<uint8_t> features;                  ///< masks of ClosestFeatures; in discrete frames alone
-  std::vector<uint32_t> worlds;                   ///< in a stream of a set: each contact's world, ascending
+  std::vector<double> distance;                ///< in the unit of the positions; of vertices in solids minus the depth
+  std::vector<std::array<double, 2>> weights;  ///< of the triangle's second and third corner, or along both edges
+  std::vector<std::array<float, 3>> normals;   ///< unit, from the second feature to the first
+  std::vector<uint8_t> flags;                  ///< masks of v1::ContactFlag
+  std::vector<uint8_t> features;               ///< masks of ClosestFeatures; in discrete frames alone
+  /// Of discrete frames of scenes with a solid: minus `distance` where a closest point is inside the other mesh; NaN
+  /// where neither mesh is a solid, and where one feature goes through the other mesh.
+  std::vector<double> signed_distances;
+  std::vector<uint32_t> worlds;  ///< in a stream of a set: each contact's world, ascending
 };
 
 /// Lists the masks of Contacts::features. The closest points are p, of the first feature, and q, of the second. Ties go
@@ -50,6 +53,7 @@ constexpr void for_each_column(const Visit& visit) {
   visit(v1::CONTACT_FIELD_NORMAL, &Contacts::normals);
   visit(v1::CONTACT_FIELD_FLAGS, &Contacts::flags);
   visit(v1::CONTACT_FIELD_FEATURES, &Contacts::features);
+  visit(v1::CONTACT_FIELD_SIGNED_DISTANCE, &Contacts::signed_distances);
 }
 
 /// The number of these arrays.
@@ -69,13 +73,13 @@ struct DeviceArray {
 /// Contacts.
 struct DeviceContacts {
   uint64_t count = 0;
-  DeviceArray elements, stencils, toi, distance, weights, normals, flags, features;
+  DeviceArray elements, stencils, toi, distance, weights, normals, flags, features, signed_distances;
 };
 
 /// One value for each kind of contact.
 template <class T>
 struct PerKind {
-  T vertex_triangle{}, edge_edge{}, triangle_triangle{}, edge_triangle{};
+  T vertex_triangle{}, edge_edge{}, triangle_triangle{}, edge_triangle{}, vertex_solid{};
 };
 
 /// visit(kind, value of each of `structs`) for each kind, in the order of answers.
@@ -85,6 +89,7 @@ void for_each_kind(const Visit& visit, PerKinds&&... structs) {
   visit(v1::CONTACT_KIND_EDGE_EDGE, structs.edge_edge...);
   visit(v1::CONTACT_KIND_TRIANGLE_TRIANGLE, structs.triangle_triangle...);
   visit(v1::CONTACT_KIND_EDGE_TRIANGLE, structs.edge_triangle...);
+  visit(v1::CONTACT_KIND_VERTEX_SOLID, structs.vertex_solid...);
 }
 
 /// Returns the contacts that no other contact covers (v1::CONTACT_FLAG_COVERED), in their order, with their columns.

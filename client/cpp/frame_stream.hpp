@@ -12,6 +12,7 @@
 #include "client/cpp/frame_advance.hpp"
 #include "client/cpp/frame_options.hpp"
 #include "client/cpp/frame_update.hpp"
+#include "client/cpp/mesh_pairs.hpp"
 #include "client/cpp/positions.hpp"
 #include "collided/v1/collision_service.pb.h"
 #include "collided/v1/frame.pb.h"
@@ -30,6 +31,7 @@ struct FrameOutput : PerKind<Contacts> {
   uint64_t frame_id = 0;
   v1::FrameDone done;                        ///< metrics and totals
   FrameAdvance advance;                      ///< for move_along()
+  std::vector<MeshPair> pairs;               ///< meshes that are not apart, by first, then second; if asked for
   PerKind<Contacts> limits;                  ///< what limits the way, with FrameOptions::limits; all columns are there
   std::optional<v1::FrameError> error;       ///< the frame was refused; the stream goes on
   std::vector<v1::WorldError> world_errors;  ///< of a set: worlds that were refused by themselves, ascending

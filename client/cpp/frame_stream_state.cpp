@@ -163,6 +163,8 @@ void FrameStream::State::take(v1::StreamFramesResponse& response) {
       return add(response.contacts());
     case v1::StreamFramesResponse::kShortened:
       return add(response.shortened());
+    case v1::StreamFramesResponse::kPairs:
+      return add(response.pairs());
     case v1::StreamFramesResponse::kLimits:
       return add_limits(response.limits());
     case v1::StreamFramesResponse::kDone:
@@ -208,14 +210,15 @@ void FrameStream::State::add(const v1::ContactChunk& chunk) {
 
 void FrameStream::State::add_limits(const v1::ContactChunk& chunk) {
   if (!takes_limits) throw_lost("the daemon names limits of a frame that does not ask for them");
-  if (chunk.kind() == v1::CONTACT_KIND_TRIANGLE_TRIANGLE)
-    throw_lost("limits.kind is CONTACT_KIND_TRIANGLE_TRIANGLE, which limits no way");
   Contacts& limits = value_of(partial.limits, chunk.kind());
+  if (chunk.kind() != v1::CONTACT_KIND_VERTEX_TRIANGLE && chunk.kind() != v1::CONTACT_KIND_EDGE_EDGE)
+    throw_lost("limits.kind is " + v1::ContactKind_Name(chunk.kind()) + ", which limits no way");
   const uint64_t before = limits.count;
   append(limits, chunk);
   for_each_column([&](v1::ContactField field, auto column) {
     const bool has_field = (limits.*column).size() == limits.count;
-    if (!has_field && field != v1::CONTACT_FIELD_FEATURES)  // which only discrete frames have
+    const bool is_of_dcd = field == v1::CONTACT_FIELD_FEATURES || field == v1::CONTACT_FIELD_SIGNED_DISTANCE;
+    if (!has_field && !is_of_dcd)
       throw_lost("limits has no " + v1::ContactField_Name(field) + "; it must have all fields");
   });
   check(chunk.kind(), limits, before);
@@ -239,13 +242,24 @@ void FrameStream::State::add(const v1::ShortenedWays& ways) {
   append(partial.advance, ways, id_count);
 }
 
+void FrameStream::State::add(const v1::MeshPairs& pairs) {
+  SceneSize known;
+  {
+    const std::lock_guard lock(mutex);
+    if (!has_edits) known = size;
+  }
+  append(partial.pairs, pairs, known);
+}
+
 void FrameStream::State::finish_frame(v1::FrameDone& done) {
   for (const v1::ContactChunk& chunk : done.contacts()) add(chunk);
   for (const v1::ContactChunk& chunk : done.limits()) add_limits(chunk);
   if (done.has_shortened()) add(done.shortened());
+  if (done.has_pairs()) add(done.pairs());
   done.clear_contacts();
   done.clear_limits();
   done.clear_shortened();
+  done.clear_pairs();
   check_fraction("earliest_toi", done.earliest_toi());
   check_fraction("advanced", done.advanced());
   check_fraction("way", done.way());

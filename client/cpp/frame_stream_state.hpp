@@ -48,6 +48,7 @@ struct FrameStream::State {
   /// Checks the contacts of a chunk, from the `first` on, against what the scene has.
   void check(v1::ContactKind kind, const Contacts& contacts, uint64_t first);
   void add(const v1::ShortenedWays& ways);
+  void add(const v1::MeshPairs& pairs);
   void finish_frame(v1::FrameDone& done);
   void complete(uint64_t frame_id);
   void send(const v1::Frame& frame, std::span<const FrameUpdate> updates);
@@ -69,10 +70,10 @@ struct FrameStream::State {
   std::unique_ptr<FrameTransport> transport;
   v1::StreamOpened opened;
   std::mutex mutex;
-  LeaderFollowers reading;  ///< one waiting caller reads for all
-  uint64_t waits = 0;       ///< how often callers have waited
-  int waiting = 0;          ///< callers that wait now
-  FrameOutput partial;      ///< of the oldest frame in flight; used by the reading thread only
+  LeaderFollowers reading;    ///< one waiting caller reads for all
+  uint64_t waits = 0;         ///< how often callers have waited
+  int waiting = 0;            ///< callers that wait now
+  FrameOutput partial;        ///< of the oldest frame in flight; used by the reading thread only
   bool takes_limits = false;  ///< that frame asks for them; likewise
   std::deque<FrameOutput> ready;
   std::deque<SentFrame> in_flight;  ///< the oldest first

@@ -13,13 +13,14 @@ import (
 // not computed.
 type Contacts struct {
 	Count int
-	// Elements are the ids of a vertex and an element, of two edges, of two triangles, or of an edge and a triangle; scene-wide.
+	// Elements are scene-wide ids of a vertex and an element, of two edges, of two triangles, or of an edge and a triangle. Of
+	// VertexSolid they are a vertex and the triangle of the solid.
 	Elements [][2]uint32
 	// Stencils are four vertices; scene-wide.
 	Stencils [][4]uint32
 	// TOI is the time of impact, in [0, 1] of the step.
 	TOI []float64
-	// Distance is >= 0, in the unit of the positions.
+	// Distance is >= 0, in the unit of the positions; of VertexSolid it is minus the depth, < 0.
 	Distance []float64
 	// Weights locate the closest points: ContactPoints.
 	Weights [][2]float64
@@ -30,11 +31,15 @@ type Contacts struct {
 	// Features are bytes of discrete frames. PlaceOnTriangle and PlacesOnEdges read on which features the closest points are; masks
 	// such as NearerAtFirst say what covers a contact.
 	Features []byte
+	// SignedDistances are Distance with a sign, in discrete frames of scenes with a solid. They are negative where the closest point of
+	// one feature is inside the other feature's mesh, a solid. They are NaN where neither mesh is a solid, of a mesh and itself, and
+	// where one of the two features goes through the other's mesh.
+	SignedDistances []float64
 }
 
 // ContactSet has contacts of all kinds.
 type ContactSet struct {
-	VertexTriangle, EdgeEdge, TriangleTriangle, EdgeTriangle Contacts
+	VertexTriangle, EdgeEdge, TriangleTriangle, EdgeTriangle, VertexSolid Contacts
 }
 
 // The fields of an answer that have contacts, as errors name them.
@@ -54,6 +59,8 @@ func (s *ContactSet) of(kind v1.ContactKind) *Contacts {
 		return &s.TriangleTriangle
 	case EdgeTriangle:
 		return &s.EdgeTriangle
+	case VertexSolid:
+		return &s.VertexSolid
 	}
 	return nil
 }
@@ -72,10 +79,10 @@ func (s *ContactSet) add(field string, chunks ...*v1.ContactChunk) error {
 	return nil
 }
 
-// addLimits appends chunks of contacts that limit a way, which have every array but Features. DataLoss for a kind that limits none.
+// addLimits appends chunks of contacts that limit a way, which have every array but Features and SignedDistances. DataLoss for a kind that limits none.
 func (s *ContactSet) addLimits(chunks ...*v1.ContactChunk) error {
 	for _, chunk := range chunks {
-		if chunk.Kind == TriangleTriangle || chunk.Kind == EdgeTriangle {
+		if chunk.Kind == TriangleTriangle || chunk.Kind == EdgeTriangle || chunk.Kind == VertexSolid {
 			return failf(codes.DataLoss, "", "limits.kind is %v; only a vertex and a triangle, or two edges, limit a way", chunk.Kind)
 		}
 		if err := s.add(fieldLimits, chunk); err != nil {
@@ -104,11 +111,12 @@ func (c *Contacts) add(field string, chunk *v1.ContactChunk) error {
 	c.Normals = read(&r, "normals", c.Normals, chunk.Normals, 12, threeFloat32s)
 	c.Flags = read(&r, "flags", c.Flags, chunk.Flags, 1, onlyByte)
 	c.Features = read(&r, "features", c.Features, chunk.Features, 1, onlyByte)
+	c.SignedDistances = read(&r, "signed_distances", c.SignedDistances, chunk.SignedDistances, 8, float64At)
 	c.Count += int(chunk.Count)
 	if r.err != nil {
 		return r.err
 	}
-	return c.check(field, r.before, r.hasArray)
+	return c.check(field, chunk.Kind, r.before, r.hasArray)
 }
 
 // reader remembers whether the contacts have an array, and the first one of a chunk that is not as long as it has to be.

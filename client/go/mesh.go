@@ -39,6 +39,9 @@ type Mesh struct {
 	// HalfThickness is half of what it is thick beyond the spec's thickness, >= 0, finite, in the unit of the positions: two
 	// meshes are in contact up to the thickness and both halves, a mesh and itself up to the thickness and twice its half.
 	HalfThickness float64
+	// Solid says that it bounds a volume. It has triangles alone, which use each edge as often in one direction as in the other. Its
+	// volume in its first frame is above 0; normals (b - a) x (c - a) point outside. The daemon refuses other meshes.
+	Solid bool
 }
 
 // message is the mesh without its triangles, but with their number.
@@ -56,6 +59,7 @@ func (m *Mesh) message() *v1.MeshSpec {
 		ExcludeRings:     m.ExcludeRings,
 		ExcludeRestPairs: m.ExcludeRestPairs,
 		HalfThickness:    m.HalfThickness,
+		Solid:            m.Solid,
 	}
 }
 

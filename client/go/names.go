@@ -61,18 +61,29 @@ const (
 	EdgeEdge         = v1.ContactKind_CONTACT_KIND_EDGE_EDGE
 	TriangleTriangle = v1.ContactKind_CONTACT_KIND_TRIANGLE_TRIANGLE
 	EdgeTriangle     = v1.ContactKind_CONTACT_KIND_EDGE_TRIANGLE
+	VertexSolid      = v1.ContactKind_CONTACT_KIND_VERTEX_SOLID
 )
 
 // Values of SceneSpec.Fields.
 const (
-	FieldElements = v1.ContactField_CONTACT_FIELD_ELEMENTS
-	FieldStencil  = v1.ContactField_CONTACT_FIELD_STENCIL
-	FieldTOI      = v1.ContactField_CONTACT_FIELD_TOI
-	FieldDistance = v1.ContactField_CONTACT_FIELD_DISTANCE
-	FieldWeights  = v1.ContactField_CONTACT_FIELD_WEIGHTS
-	FieldNormal   = v1.ContactField_CONTACT_FIELD_NORMAL
-	FieldFlags    = v1.ContactField_CONTACT_FIELD_FLAGS
-	FieldFeatures = v1.ContactField_CONTACT_FIELD_FEATURES
+	FieldElements       = v1.ContactField_CONTACT_FIELD_ELEMENTS
+	FieldStencil        = v1.ContactField_CONTACT_FIELD_STENCIL
+	FieldTOI            = v1.ContactField_CONTACT_FIELD_TOI
+	FieldDistance       = v1.ContactField_CONTACT_FIELD_DISTANCE
+	FieldWeights        = v1.ContactField_CONTACT_FIELD_WEIGHTS
+	FieldNormal         = v1.ContactField_CONTACT_FIELD_NORMAL
+	FieldFlags          = v1.ContactField_CONTACT_FIELD_FLAGS
+	FieldFeatures       = v1.ContactField_CONTACT_FIELD_FEATURES
+	FieldPairStates     = v1.ContactField_CONTACT_FIELD_PAIR_STATES
+	FieldSignedDistance = v1.ContactField_CONTACT_FIELD_SIGNED_DISTANCE
+)
+
+// Values of PairOfMeshes.State.
+const (
+	PairTouching     = v1.MeshPairState_MESH_PAIR_STATE_TOUCHING
+	PairOverlapping  = v1.MeshPairState_MESH_PAIR_STATE_OVERLAPPING
+	PairFirstInside  = v1.MeshPairState_MESH_PAIR_STATE_FIRST_INSIDE
+	PairSecondInside = v1.MeshPairState_MESH_PAIR_STATE_SECOND_INSIDE
 )
 
 // Masks of Contacts.Flags: contacts.Flags[i]&collided.IsInitial != 0.

@@ -1,6 +1,8 @@
 package collided
 
 import (
+	"math"
+
 	"google.golang.org/grpc/codes"
 
 	v1 "collided.invalid/client/go/v1"
@@ -13,10 +15,14 @@ type Output struct {
 	// Shortened has how far each mesh, or vertex, went, in a frame with AdvanceMode PerMesh, or PerVertex.
 	Shortened Shortened
 	// Limits has the contacts that limit the way, in a frame with Limits. The whole way would bring each of these pairs nearer than
-	// it may come, or is not certain to keep it that far apart. They are of the kinds VertexTriangle and EdgeEdge, and have every slice but Features, whatever SceneSpec.Fields says.
+	// it may come, or is not certain to keep it that far apart. They are of the kinds VertexTriangle and EdgeEdge, and have every slice
+	// but Features and SignedDistances, whatever SceneSpec.Fields says.
 	// Distance is the least that a pair keeps, in the unit of the positions. TOI, in [0, 1], is the fraction of the whole way at
 	// which the pair comes to that distance, and never later than in truth. Weights and Normals are those of TOI.
 	Limits ContactSet
+	// Pairs has the pairs of meshes, one of them a solid, that are not apart, by First, then Second. Discrete frames with ReportAll have
+	// them, in scenes with FieldPairStates.
+	Pairs []PairOfMeshes
 	// Done has totals and metrics; nil if the frame was refused or skipped.
 	Done *v1.FrameDone
 	// Err is why the frame was refused; the scene is as it was, and a stream goes on.
@@ -54,7 +60,10 @@ func (o *Output) finish(done *v1.FrameDone) error {
 	if err := o.Shortened.add(done.Shortened); err != nil {
 		return err
 	}
-	done.Contacts, done.Limits, done.Shortened = nil, nil, nil
+	if err := o.addPairs(done.Pairs); err != nil {
+		return err
+	}
+	done.Contacts, done.Limits, done.Shortened, done.Pairs = nil, nil, nil, nil
 	o.Done = done
 	if o.mode != PerMesh && o.mode != PerVertex {
 		return o.Shortened.checkBelow(0)
@@ -102,17 +111,15 @@ func checkDone(done *v1.FrameDone) error {
 // isFraction is false for NaN.
 func isFraction(value float64) bool { return value >= 0 && value <= 1 }
 
-// check checks the times and distances from the first contact on, and a count that no array confirms. field: of the answer.
-func (c *Contacts) check(field string, first int, hasArray bool) error {
+// check checks the times and distances of a kind from the first contact on, and a count that no array confirms. field: of the answer.
+func (c *Contacts) check(field string, kind v1.ContactKind, first int, hasArray bool) error {
 	for i := first; i < len(c.TOI); i++ {
 		if !isFraction(c.TOI[i]) {
 			return failf(codes.DataLoss, "", "%s.toi has %v; it must be in [0, 1]", field, c.TOI[i])
 		}
 	}
-	for i := first; i < len(c.Distance); i++ {
-		if !(c.Distance[i] >= 0) {
-			return failf(codes.DataLoss, "", "%s.distance has %v; it must be 0 or more", field, c.Distance[i])
-		}
+	if err := c.checkDistances(field, kind, first); err != nil {
+		return err
 	}
 	if !hasArray && c.Count > maxBare {
 		return failf(codes.DataLoss, "", "%s.count is %d in all without any array; it must be at most %d", field, c.Count, maxBare)
@@ -120,7 +127,25 @@ func (c *Contacts) check(field string, first int, hasArray bool) error {
 	return nil
 }
 
-// checkWhole checks that no array is missing but Features, which only discrete frames have.
+// checkDistances checks that depths are below 0, all other distances 0 or more, and that a sign changes nothing else.
+func (c *Contacts) checkDistances(field string, kind v1.ContactKind, first int) error {
+	for i := first; i < len(c.Distance); i++ {
+		distance := c.Distance[i]
+		if kind == VertexSolid && !(distance < 0) {
+			return failf(codes.DataLoss, "", "%s.distance has %v; of a vertex in a solid it must be below 0", field, distance)
+		}
+		if kind != VertexSolid && !(distance >= 0) {
+			return failf(codes.DataLoss, "", "%s.distance has %v; it must be 0 or more", field, distance)
+		}
+		if i < len(c.SignedDistances) && math.Abs(c.SignedDistances[i]) != distance && !math.IsNaN(c.SignedDistances[i]) {
+			return failf(codes.DataLoss, "", "%s.signed_distances has %v, which is neither %s.distance, %v, nor minus it",
+				field, c.SignedDistances[i], field, distance)
+		}
+	}
+	return nil
+}
+
+// checkWhole checks that no array is missing but Features and SignedDistances, which only discrete frames have.
 func (c *Contacts) checkWhole(field string) error {
 	for _, column := range []struct {
 		name string
@@ -136,7 +161,7 @@ func (c *Contacts) checkWhole(field string) error {
 	return nil
 }
 
-// checkIDs checks that the scene has what the contacts, Limits and Shortened name. A size of 0 is not known.
+// checkIDs checks that the scene has what the contacts, Limits, Pairs and Shortened name. A size of 0 is not known.
 func (o *Output) checkIDs(size sceneSize) error {
 	if size.vertices == 0 {
 		return nil
@@ -146,6 +171,9 @@ func (o *Output) checkIDs(size sceneSize) error {
 		most = size.meshes
 	}
 	if err := o.Shortened.checkBelow(most); err != nil {
+		return err
+	}
+	if err := o.checkPairs(size); err != nil {
 		return err
 	}
 	if err := o.ContactSet.checkIDs(fieldContacts, size); err != nil {
@@ -163,6 +191,7 @@ func (s *ContactSet) checkIDs(field string, size sceneSize) error {
 		{&s.EdgeEdge, 3 * size.elements, 3 * size.elements}, // edges at most
 		{&s.TriangleTriangle, size.elements, size.elements},
 		{&s.EdgeTriangle, 3 * size.elements, size.elements},
+		{&s.VertexSolid, size.vertices, size.elements},
 	} {
 		for _, stencil := range each.contacts.Stencils {
 			for _, vertex := range stencil {
@@ -183,7 +212,7 @@ func (s *ContactSet) checkIDs(field string, size sceneSize) error {
 
 // checkTotal checks that as many contacts came as the daemon says that it sent.
 func (o *Output) checkTotal() error {
-	came := uint64(o.VertexTriangle.Count + o.EdgeEdge.Count + o.TriangleTriangle.Count + o.EdgeTriangle.Count)
+	came := uint64(o.VertexTriangle.Count + o.EdgeEdge.Count + o.TriangleTriangle.Count + o.EdgeTriangle.Count + o.VertexSolid.Count)
 	if o.Done.ContactCount != came {
 		return failf(codes.DataLoss, "", "done.contact_count is %d, and %d contacts came", o.Done.ContactCount, came)
 	}

@@ -25,7 +25,7 @@ func ElementKindOf(stencil [4]uint32) ElementKind {
 
 // ContactPoints are the closest points of the two features of each contact at its time of impact (CCD) or in the frame
 // (DCD: without start), by the formulas of proto/CONVENTIONS.md. start and end are the positions of all vertices of the
-// scene at t = 0 and t = 1. The contacts need stencils and weights (FieldWeights) and, with start, TOI;
+// scene at t = 0 and t = 1. Kinds are VertexTriangle, EdgeEdge and VertexSolid. The contacts need stencils and weights (FieldWeights) and, with start, TOI;
 // InvalidArgument without them.
 func ContactPoints[T Real](kind v1.ContactKind, contacts *Contacts, start, end [][3]T) (first, second [][3]float64, err error) {
 	if err := checkPoints(kind, contacts, len(start), len(end)); err != nil {
@@ -42,7 +42,7 @@ func ContactPoints[T Real](kind v1.ContactKind, contacts *Contacts, start, end [
 					x[k] = (1-contacts.TOI[i])*float64(start[vertex][axis]) + contacts.TOI[i]*x[k]
 				}
 			}
-			if kind == VertexTriangle {
+			if kind != EdgeEdge {
 				first[i][axis], second[i][axis] = x[0], (1-w0-w1)*x[1]+w0*x[2]+w1*x[3]
 			} else {
 				first[i][axis], second[i][axis] = (1-w0)*x[0]+w0*x[1], (1-w1)*x[2]+w1*x[3]
@@ -53,7 +53,7 @@ func ContactPoints[T Real](kind v1.ContactKind, contacts *Contacts, start, end [
 }
 
 func checkPoints(kind v1.ContactKind, c *Contacts, starts, ends int) error {
-	if kind != VertexTriangle && kind != EdgeEdge {
+	if kind != VertexTriangle && kind != EdgeEdge && kind != VertexSolid {
 		return invalidf("kind", "is %v, which has no points", kind)
 	}
 	if len(c.Stencils) != c.Count || len(c.Weights) != c.Count || starts > 0 && len(c.TOI) != c.Count {

@@ -414,6 +414,8 @@ func (s *Stream) take(response *v1.StreamFramesResponse) error {
 		return output.addLimits(answer.Limits)
 	case *v1.StreamFramesResponse_Shortened:
 		return output.Shortened.add(answer.Shortened)
+	case *v1.StreamFramesResponse_Pairs:
+		return output.addPairs(answer.Pairs)
 	case *v1.StreamFramesResponse_Done:
 		if err := s.finishFrame(output, answer.Done); err != nil {
 			return err

@@ -20,8 +20,8 @@ inline Fraction operator+(const Fraction& a, const Fraction& b) {
   return {a.dividend * b.divisor + b.dividend * a.divisor, a.divisor * b.divisor};
 }
 
-/// Adds up in a balanced tree: the divisors' product has as many bits as all of them together, so a term at a time
-/// would take the square of their number.
+/// Adds terms up in a balanced tree. The divisors' product has as many bits as all of them together, so adding one term
+/// at a time would take quadratic time.
 class FractionSum {
  public:
   void add(Fraction term) {

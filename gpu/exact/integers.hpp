@@ -33,7 +33,7 @@ class Unit {
     for (const Vec3<double>& p : points) see(p);
   }
   void see(const ContactDistance& x) { see(x.thickness), see(x.first), see(x.second); }
-  /// Of numbers seen.
+  /// Converts numbers that were seen.
   Number operator()(double x) const;
   Number operator()(const ContactDistance& x) const;
   /// The unit is 2^exponent, if a number other than 0 was seen.

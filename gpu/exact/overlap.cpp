@@ -33,9 +33,10 @@
 namespace collided {
 namespace {
 
+using exact::Bounds;
 using exact::Fraction;
 using exact::Number;
-using exact::NumberedBox;
+using exact::NumberedBounds;
 using exact::fixed::wide_cross;
 using exact::fixed::wide_dot;
 using Vector = Vec3<Number>;
@@ -94,20 +95,21 @@ struct Body {
   }
 };
 
-Box<double> box_of(const Point& a, const Point& b) { return join(Box<double>{a, a}, Box<double>{b, b}); }
-Box<double> box_of(const SolidMesh& mesh, uint32_t triangle) {
-  const auto& t = mesh.triangles[triangle];
-  return join(box_of(mesh.points[t[0]], mesh.points[t[1]]), box_of(mesh.points[t[2]], mesh.points[t[2]]));
+template <size_t n>
+Bounds bounds_of(const SolidMesh& mesh, const std::array<uint32_t, n>& vertices) {
+  Bounds bounds(mesh.points[vertices[0]]);
+  for (const uint32_t v : vertices) bounds.see(Bounds(mesh.points[v]));
+  return bounds;
 }
 
 void find_crossings(Body& body, const SolidMesh& other) {
-  std::vector<NumberedBox> edges, triangles;
+  std::vector<NumberedBounds> edges, triangles;
   const SolidMesh& mesh = body.mesh;
   for (uint32_t edge = 0; edge < body.edges.count(); ++edge) {
     const Use& e = body.edges.first(edge);
-    edges.push_back({box_of(mesh.points[e.u], mesh.points[e.v]), edge});
+    edges.push_back({bounds_of(mesh, std::array{e.u, e.v}), edge});
   }
-  for (uint32_t i = 0; i < other.triangles.size(); ++i) triangles.push_back({box_of(other, i), i});
+  for (uint32_t i = 0; i < other.triangles.size(); ++i) triangles.push_back({bounds_of(other, other.triangles[i]), i});
   exact::for_each_overlap(std::move(edges), std::move(triangles), [&](uint32_t edge, uint32_t triangle) {
     exact::PollScope::step();
     const Use& e = body.edges.first(edge);
@@ -133,8 +135,9 @@ int winding_by_ray(const SolidMesh& mesh, uint32_t vertex, const SolidMesh& othe
   const Point& v = mesh.points[vertex];
   int winding = 0;
   for (uint32_t i = 0; i < other.triangles.size(); ++i) {
-    const Box<double> box = box_of(other, i);
-    if (v.x < box.lo.x || v.x > box.hi.x || v.y < box.lo.y || v.y > box.hi.y || v.z > box.hi.z) continue;
+    Bounds below = bounds_of(other, other.triangles[i]);
+    below.lower[2] = std::min(below.lower[2], v.z);
+    if (!below.overlaps(Bounds(v))) continue;
     exact::PollScope::step();
     const auto& [a, b, c] = other.triangles[i];
     winding += exact_ray({v, other.points[a], other.points[b], other.points[c]},

@@ -1,5 +1,5 @@
 #pragma once
-// What two bodies have in common, exactly. It runs on the host, as the functions of exact.hpp do.
+// Decides exactly what two bodies have in common. It runs on the host, as the functions of exact.hpp do.
 
 #include <array>
 #include <cstdint>
@@ -16,8 +16,9 @@ struct SolidMesh {
   std::span<const std::array<uint32_t, 3>> triangles;  ///< indices of points, three different ones each
 };
 
-/// Returns the volume that a and b have in common, within 2^-50 of its size: the integral of the product of their
-/// winding numbers. No id of a is one of b. Touching faces, edges and corners are ordinary input.
+/// Returns the volume that a and b have in common: the integral of the product of their winding numbers. It is within
+/// 2^-50 of its size unless that is below 2^-1022. No id of a is one of b. Touching faces, edges and corners are
+/// ordinary input.
 double overlap_volume(const SolidMesh& a, const SolidMesh& b);
 
 /// Returns true if that volume is above 0 in real arithmetic.

@@ -77,10 +77,12 @@ class SceneDryRun {
   /// Which triangles are of solids is not known. A closed mesh without holes has about twice as many as vertices.
   void reserve_solids() {
     if (!looks_into_solids(spec_) || !has_solids(spec_)) return;
-    uint64_t of_solids = 0;
-    for (const MeshSpec& mesh : spec_.meshes) of_solids += mesh.solid ? uint64_t{mesh.vertex_count} : 0;
+    uint64_t of_solids = 0, solids = 0;
+    for (const MeshSpec& mesh : spec_.meshes)
+      if (mesh.solid) of_solids += mesh.vertex_count, ++solids;
     scene_.topology.solid_triangles.allocate(
         std::clamp(2 * of_solids, uint64_t{4}, max(counts_.triangles, uint64_t{4})));
+    scene_.topology.solid_places.allocate(solids);
     scene_.topology.solid_vertices.allocate(counts_.vertices);
   }
   /// As ResidentPositions does for a frame with the positions at t = 1.

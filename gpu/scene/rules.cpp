@@ -30,8 +30,6 @@ void check_settings(const SceneSpec& spec, const FrameSettings& settings) {
     throw InvalidInput("edge_triangle", "edge_triangle is on, but CANDIDATES decides of no pair whether it crosses");
   if (spec.kinds.vertex_solid && settings.accuracy == Accuracy::kCandidates && !settings.is_ccd())
     throw InvalidInput("vertex_solid", "vertex_solid is on, but CANDIDATES decides of no vertex whether it is inside");
-  if (spec.pair_states && settings.accuracy == Accuracy::kCandidates && !settings.is_ccd())
-    throw InvalidInput("pair_states", "pair_states is on, but CANDIDATES decides of no pair whether it meets");
   check_length("delta", settings.delta, coordinate_limit(spec.scalar));
   if (settings.report == Report::kEarliestOnly && (!settings.is_ccd() || settings.accuracy < Accuracy::kGuarded))
     throw InvalidInput("report", "report is EARLIEST_ONLY, which needs CCD at GUARDED or above");
@@ -275,6 +273,8 @@ void check_spec(const SceneSpec& spec) {
                        "vertex_solid is on, but vertices are looked for in solids in frames of DCD alone");
   if (spec.pair_states && spec.mode == Mode::kCcd)
     throw InvalidInput("pair_states", "pair_states is on, but frames of DCD alone tell how meshes lie to each other");
+  if (spec.pair_states && spec.accuracy == Accuracy::kCandidates)
+    throw InvalidInput("pair_states", "pair_states is on, but CANDIDATES decides of no pair whether it meets");
   if (spec.mode == Mode::kBoth && !is_of_features(first_of(spec.kinds)))
     throw InvalidInput("kinds", "kinds has neither vertex_triangle nor edge_edge, and frames of CCD have no others");
   check_settings(spec, settings_of(spec, {}));

@@ -126,6 +126,7 @@ class SceneModel {
     ResidentTopology<Exec>& resident = buffers_.topology;
     SolidTables tables = make_solid_tables(spec(), topology_);
     send(resident.solid_triangles, tables.triangles);
+    send(resident.solid_places, tables.first_places);
     send(resident.solid_vertices, tables.vertices);
     resident.solids = std::move(tables.meshes);
   }

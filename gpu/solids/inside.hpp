@@ -19,13 +19,13 @@ struct SolidCounts {
   uint64_t rivals = 0;      ///< triangles that may be as near as the nearest ones (solids/nearest.hpp)
 };
 
-/// Where pairs of a vertex and a mesh (pack_ids) go.
+/// Where pairs of a vertex and a solid (pack_ids) go.
 struct SolidLists {
   AppendList<uint64_t> inside, doubtful, open;
   uint64_t* inside_out;
 
-  COLLIDED_HD void tell(uint32_t vertex, uint32_t mesh, int winding) const {
-    if (winding > 0) inside.push(pack_ids(vertex, mesh));
+  COLLIDED_HD void tell(uint32_t vertex, uint32_t solid, int winding) const {
+    if (winding > 0) inside.push(pack_ids(vertex, solid));
     if (winding < 0) atomic_add(*inside_out, uint64_t{1});
   }
 };
@@ -38,41 +38,41 @@ class Windings {
 
   COLLIDED_HD explicit Windings(uint32_t first) : first_(first) {}
 
-  COLLIDED_HD void add(uint32_t mesh, RaySign sign) {
-    if (mesh < first_ || sign == RaySign::kPasses) return;
-    const int at = place_of(mesh);
+  COLLIDED_HD void add(uint32_t solid, RaySign sign) {
+    if (solid < first_ || sign == RaySign::kPasses) return;
+    const int at = place_of(solid);
     if (at == kRoom) return;
     if (sign == RaySign::kDoubt) is_doubtful_[at] = true;
     winding_[at] += sign == RaySign::kLeaves ? 1 : sign == RaySign::kEnters ? -1 : 0;
   }
-  /// use(mesh, winding number, whether it is in doubt), from the lowest mesh on.
+  /// use(solid, winding number, whether it is in doubt), from the lowest solid on.
   template <class Use>
   COLLIDED_HD void for_each(const Use& use) const {
-    for (int i = 0; i < count_; ++i) use(mesh_[i], winding_[i], is_doubtful_[i]);
+    for (int i = 0; i < count_; ++i) use(solid_[i], winding_[i], is_doubtful_[i]);
   }
   /// Returns the solid to go on with; kNone if all had room.
   COLLIDED_HD uint32_t next() const { return next_; }
 
  private:
   /// Returns kRoom where there is none.
-  COLLIDED_HD int place_of(uint32_t mesh) {
+  COLLIDED_HD int place_of(uint32_t solid) {
     int at = 0;
-    while (at < count_ && mesh_[at] < mesh) ++at;
-    if (at < count_ && mesh_[at] == mesh) return at;
+    while (at < count_ && solid_[at] < solid) ++at;
+    if (at < count_ && solid_[at] == solid) return at;
     if (at == kRoom) {
-      next_ = min(next_, mesh);
+      next_ = min(next_, solid);
       return kRoom;
     }
-    if (count_ == kRoom) next_ = min(next_, mesh_[--count_]);
+    if (count_ == kRoom) next_ = min(next_, solid_[--count_]);
     for (int i = count_++; i > at; --i)
-      mesh_[i] = mesh_[i - 1], winding_[i] = winding_[i - 1], is_doubtful_[i] = is_doubtful_[i - 1];
-    mesh_[at] = mesh, winding_[at] = 0, is_doubtful_[at] = false;
+      solid_[i] = solid_[i - 1], winding_[i] = winding_[i - 1], is_doubtful_[i] = is_doubtful_[i - 1];
+    solid_[at] = solid, winding_[at] = 0, is_doubtful_[at] = false;
     return at;
   }
 
   uint32_t first_, next_ = kNone;
   int count_ = 0;
-  uint32_t mesh_[kRoom];
+  uint32_t solid_[kRoom];
   int winding_[kRoom];
   bool is_doubtful_[kRoom];
 };
@@ -90,17 +90,19 @@ struct FindInside {
     const Vec3<double> from = tree.point(v.vertex);
     for (uint32_t first = 0; first != Windings::kNone;) {
       Windings windings(first);
-      tree.walk([&](const Box<float>& box) { return may_meet(from, box); },
-                [&](uint32_t place) {
-                  const uint32_t mesh = tree.triangles[place].mesh;
-                  if (mesh == v.mesh || mesh < first || !filter.may_touch_meshes(v.mesh, mesh)) return;
-                  Vec3<double> corners[3];
-                  tree.corners_of(place, corners);
-                  windings.add(mesh, look_along_ray(from, corners));
-                });
-      windings.for_each([&](uint32_t mesh, int winding, bool is_doubtful) {
-        if (is_doubtful) lists.doubtful.push(pack_ids(v.vertex, mesh));
-        if (!is_doubtful) lists.tell(v.vertex, mesh, winding);
+      tree.walk_others(
+          v.solid, [&](const Box<float>& box) { return may_meet(from, box); },
+          [&](uint32_t place) {
+            const SolidTriangle triangle = tree.triangles[place];
+            if (triangle.solid < first || triangle.mesh == v.mesh) return;
+            if (!filter.may_touch_meshes(v.mesh, triangle.mesh)) return;
+            Vec3<double> corners[3];
+            tree.corners_of(place, corners);
+            windings.add(triangle.solid, look_along_ray(from, corners));
+          });
+      windings.for_each([&](uint32_t solid, int winding, bool is_doubtful) {
+        if (is_doubtful) lists.doubtful.push(pack_ids(v.vertex, solid));
+        if (!is_doubtful) lists.tell(v.vertex, solid, winding);
       });
       first = windings.next();
     }
@@ -115,20 +117,19 @@ struct DecideInside {
   SolidLists lists;
 
   COLLIDED_HD void operator()(uint64_t i) const {
-    const uint32_t vertex = first_id(doubtful[i]), mesh = second_id(doubtful[i]);
+    const uint32_t vertex = first_id(doubtful[i]), solid = second_id(doubtful[i]);
     const Vec3<double> from = tree.point(vertex);
     int winding = 0;
     bool is_on = false, is_open = false;
-    tree.walk([&](const Box<float>& box) { return !is_on && !is_open && may_meet(from, box); },
-              [&](uint32_t place) {
-                const SolidTriangle triangle = tree.triangles[place];
-                if (triangle.mesh != mesh) return;
-                const RayVerdict verdict = verdict_of(vertex, triangle, is_open);
-                winding += verdict.crossing;
-                is_on = is_on || verdict.is_on;
-              });
+    tree.walk_one(
+        solid, [&](const Box<float>& box) { return !is_on && !is_open && may_meet(from, box); },
+        [&](uint32_t place) {
+          const RayVerdict verdict = verdict_of(vertex, tree.triangles[place], is_open);
+          winding += verdict.crossing;
+          is_on = is_on || verdict.is_on;
+        });
     if (is_open) lists.open.push(doubtful[i]);
-    if (!is_open && !is_on) lists.tell(vertex, mesh, winding);
+    if (!is_open && !is_on) lists.tell(vertex, solid, winding);
   }
 
  private:

@@ -15,7 +15,7 @@ template <class Real>
 class SolidFromVertex {
  public:
   COLLIDED_HD SolidFromVertex(const SolidTree<Real>& tree, const Box<Real>& bounds, uint64_t key)
-      : tree_(tree), from_(tree.point(first_id(key))), mesh_(second_id(key)) {
+      : tree_(tree), from_(tree.point(first_id(key))), solid_(second_id(key)) {
     const Vec3<double> half = 0.5 * convert<double>(bounds.hi) - 0.5 * convert<double>(bounds.lo);
     scale_ = unit_scale(max(half.x, max(half.y, half.z)));
   }
@@ -29,7 +29,7 @@ class SolidFromVertex {
     uint32_t later[kDeepest];
     int count = 0;
     double reach = std::numeric_limits<double>::infinity();
-    for (uint32_t left = *tree_.top;;) {
+    for (uint32_t left = tree_.parts[solid_].left;;) {
       const BvhNode nodes[2] = {tree_.nodes[left], tree_.nodes[left | 1u]};
       const double squared[2] = {from_box(nodes[0].box()), from_box(nodes[1].box())};
       const int nearer = squared[1] < squared[0] ? 1 : 0;
@@ -53,12 +53,12 @@ class SolidFromVertex {
   /// use(place, distance) for each triangle that may be within a squared distance.
   template <class Use>
   COLLIDED_HD void for_each_within(double reach, const Use& use) const {
-    tree_.walk([&](const Box<float>& box) { return from_box(box) <= reach; },
-               [&](uint32_t place) {
-                 if (tree_.triangles[place].mesh != mesh_) return;
-                 const RoughDistance rough = rough_distance(place);
-                 if (rough.squared - rough.error <= reach) use(place, precise(place));
-               });
+    tree_.walk_one(
+        solid_, [&](const Box<float>& box) { return from_box(box) <= reach; },
+        [&](uint32_t place) {
+          const RoughDistance rough = rough_distance(place);
+          if (rough.squared - rough.error <= reach) use(place, precise(place));
+        });
   }
   COLLIDED_HD PreciseDistance precise(uint32_t place) const {
     Vec3<double> corners[3];
@@ -88,7 +88,6 @@ class SolidFromVertex {
     return collided::rough_distance(corners);
   }
   COLLIDED_HD double reach_of(uint32_t place) const {
-    if (tree_.triangles[place].mesh != mesh_) return std::numeric_limits<double>::infinity();
     const RoughDistance rough = rough_distance(place);
     return rough.squared + rough.error;
   }
@@ -103,7 +102,7 @@ class SolidFromVertex {
 
   const SolidTree<Real>& tree_;
   Vec3<double> from_;
-  uint32_t mesh_;
+  uint32_t solid_;
   double scale_;
 };
 

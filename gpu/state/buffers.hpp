@@ -56,6 +56,7 @@ struct ResidentTopology {
         fan_begin(exec, "fans"),
         fan_elements(exec, "fans"),
         solid_triangles(exec, "solids"),
+        solid_places(exec, "solids"),
         solid_vertices(exec, "solids") {}
 
   PairFilter filter() const {
@@ -101,8 +102,9 @@ struct ResidentTopology {
   Buffer<uint64_t, Exec> rest_pairs;  ///< slots of a KeySet, those of the first frame
   Buffer<uint32_t, Exec> fan_begin;   ///< of each vertex; scenes that tell features have these two
   Buffer<uint32_t, Exec> fan_elements;
-  SolidMeshes solids;  ///< on the host; scenes that look into solids have these three (SolidTables)
+  SolidMeshes solids;  ///< on the host; scenes that look into solids have these four (SolidTables)
   Buffer<SolidTriangle, Exec> solid_triangles;
+  Buffer<uint32_t, Exec> solid_places;
   Buffer<MeshVertex, Exec> solid_vertices;
 };
 

@@ -23,6 +23,7 @@ struct SolidBuffers {
         boxes(exec, kPart),
         bvh(exec, kPart),
         top(exec, kPart),
+        parts(exec, kPart),
         counts(exec, kPart),
         inside{{exec, kPart}, {exec, kPart}},
         doubtful(exec, kPart),
@@ -34,9 +35,10 @@ struct SolidBuffers {
   Buffer<Box<Real>, Exec> bounds;  ///< of all solids
   Buffer<Box<float>, Exec> boxes;  ///< of each triangle
   BvhBuffers<Exec> bvh;
-  Buffer<uint32_t, Exec> top;  ///< the node that walks begin with
+  Buffer<uint32_t, Exec> top;  ///< the root's left child
+  Buffer<SolidPart, Exec> parts;
   Buffer<SolidCounts, Exec> counts;
-  Buffer<uint64_t, Exec> inside[2];  ///< pairs of a vertex and a mesh; the second is room to sort in
+  Buffer<uint64_t, Exec> inside[2];  ///< pairs of a vertex and a solid; the second is room to sort in
   Buffer<uint64_t, Exec> doubtful, open;
   Buffer<Rival, Exec> rivals;
   Buffer<Vec3<Real>, Exec> points;  ///< of rivals
@@ -77,7 +79,10 @@ class SolidPhase {
   Span<const SolidTriangle> triangles() const { return scene_.topology.solid_triangles.all(); }
   Span<const MeshVertex> vertices() const { return scene_.topology.solid_vertices.all(); }
   const Vec3<Real>* positions() const { return scene_.end.data(); }
-  SolidTree<Real> tree() const { return {positions(), triangles(), buffers_.bvh.nodes.all(), buffers_.top.data()}; }
+  Span<const uint32_t> first_places() const { return scene_.topology.solid_places.all(); }
+  SolidTree<Real> tree() const {
+    return {positions(), triangles(), buffers_.bvh.nodes.all(), buffers_.parts.all(), buffers_.top.data()};
+  }
 
   void build() {
     const uint64_t count = triangles().size();
@@ -85,18 +90,25 @@ class SolidPhase {
     buffers_.boxes.allocate(count);
     buffers_.bvh.reserve(count, false);
     buffers_.top.allocate(1);
+    buffers_.parts.allocate(first_places().size());
     const ExtentOfSolid<Real> extent{positions(), triangles()};
-    const int axis_bits = MortonKeys::axis_bits_for(count);
     exec_.reduce_into("bound_solids", count, extent, empty_box<Real>(), JoinBoxes{}, buffers_.bounds.data());
-    exec_.for_each(
-        "place_solids", count,
-        PlaceSolids<Real>{extent, buffers_.bounds.data(), buffers_.boxes.all(), buffers_.bvh.keys[0].span(count),
-                          buffers_.bvh.triangles[0].span(count), buffers_.bvh.meeting.all(), axis_bits});
-    const int sorted = exec_.sort_pairs("sort_solids", 3 * axis_bits,
+    const SolidKeyBits bits(count, first_places().size());
+    const PlaceSolids<Real> place{extent,
+                                  first_places(),
+                                  buffers_.bounds.data(),
+                                  bits,
+                                  buffers_.boxes.all(),
+                                  buffers_.bvh.keys[0].span(count),
+                                  buffers_.bvh.triangles[0].span(count),
+                                  buffers_.bvh.meeting.all()};
+    exec_.for_each("place_solids", count, place);
+    const int sorted = exec_.sort_pairs("sort_solids", bits.all(),
                                         {buffers_.bvh.keys[0].span(count), buffers_.bvh.keys[1].span(count),
                                          buffers_.bvh.triangles[0].span(count), buffers_.bvh.triangles[1].span(count)});
+    const BvhSplits splits{buffers_.bvh.keys[sorted].all(), static_cast<uint32_t>(count)};
     exec_.for_each("join_solids", count,
-                   BuildHierarchy{{buffers_.bvh.keys[sorted].all(), static_cast<uint32_t>(count)},
+                   BuildHierarchy{splits,
                                   buffers_.bvh.triangles[sorted].all(),
                                   buffers_.boxes.all(),
                                   buffers_.bvh.meeting.all(),
@@ -104,6 +116,8 @@ class SolidPhase {
                                   {},
                                   {},
                                   buffers_.top.data()});
+    exec_.for_each("find_parts", first_places().size(),
+                   FindParts<Real>{place, splits, buffers_.bvh.nodes.all(), buffers_.top.data(), buffers_.parts.all()});
   }
 
   /// Fills inside_ in order.
@@ -161,9 +175,10 @@ class SolidPhase {
     exec_.upload(buffers_.inside[0].data(), inside.data(), inside.size() * sizeof(inside[0]));
     exec_.wait();
   }
-  /// Returns 0 for a vertex on the mesh.
-  int winding_of(uint32_t vertex, uint32_t mesh, const std::vector<Vec3<Real>>& positions) {
+  /// Returns 0 for a vertex on the solid.
+  int winding_of(uint32_t vertex, uint32_t solid, const std::vector<Vec3<Real>>& positions) {
     const Topology& topology = *scene_.topology.solids.topology;
+    const uint32_t mesh = scene_.topology.solids.solids[solid];
     const exact::PollScope poll([&] { exec_.asks().ask(); });
     int winding = 0;
     for (uint32_t i = topology.triangle_offset[mesh]; i < topology.triangle_offset[mesh + 1]; ++i) {

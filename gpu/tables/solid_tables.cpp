@@ -63,18 +63,23 @@ SolidTables make_solid_tables(const SceneSpec& spec, const Topology& topology) {
   meshes.topology = &topology;
   meshes.edge_offset = edge_offsets(topology);
   for (uint32_t mesh = 0; mesh < spec.meshes.size(); ++mesh) {
-    meshes.are_solid.push_back(spec.meshes[mesh].solid);
-    if (spec.meshes[mesh].solid)
+    const bool is_solid = spec.meshes[mesh].solid;
+    const uint32_t solid = is_solid ? static_cast<uint32_t>(meshes.solids.size()) : MeshVertex::kNoSolid;
+    meshes.are_solid.push_back(is_solid);
+    if (is_solid) {
+      meshes.solids.push_back(mesh);
+      tables.first_places.push_back(static_cast<uint32_t>(tables.triangles.size()));
       for (uint32_t i = topology.triangle_offset[mesh]; i < topology.triangle_offset[mesh + 1]; ++i) {
         const auto& t = topology.triangles[i];
-        tables.triangles.push_back({{t[0], t[1], t[2]}, mesh, i});
+        tables.triangles.push_back({{t[0], t[1], t[2]}, mesh, solid, i});
       }
+    }
     const bool may_be_inside = touches_solids.has(spec, mesh);
     meshes.used.push_back(0);
     for (uint32_t vertex = topology.vertex_offset[mesh]; vertex < topology.vertex_offset[mesh + 1]; ++vertex) {
       if (!used[vertex]) continue;
       ++meshes.used.back();
-      if (may_be_inside) tables.vertices.push_back({vertex, mesh});
+      if (may_be_inside) tables.vertices.push_back({vertex, mesh, solid});
     }
   }
   return tables;

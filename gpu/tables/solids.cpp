@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "gpu/base/text.hpp"
-#include "gpu/errors.hpp"
 
 namespace collided {
 namespace {

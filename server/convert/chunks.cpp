@@ -12,6 +12,8 @@ static_assert(int{pb::ContactChunk::kElementsFieldNumber} == pb::SharedArrays::k
 static_assert(int{pb::ContactChunk::kFlagsFieldNumber} == pb::SharedArrays::kFlagsFieldNumber + kFieldShift);
 static_assert(int{pb::ContactChunk::kWorldsFieldNumber} == pb::SharedArrays::kWorldsFieldNumber + kFieldShift);
 static_assert(int{pb::ContactChunk::kFeaturesFieldNumber} == pb::SharedArrays::kFeaturesFieldNumber + kFieldShift);
+static_assert(int{pb::ContactChunk::kSignedDistancesFieldNumber} ==
+              pb::SharedArrays::kSignedDistancesFieldNumber + kFieldShift);
 
 // The engine's bytes go out as they are.
 static_assert(kFlagCertified == int{pb::CONTACT_FLAG_CERTIFIED} && kFlagNear == int{pb::CONTACT_FLAG_NEAR} &&
@@ -26,7 +28,7 @@ constexpr PerField<FieldNumber> kFieldNumbers{
     pb::ContactChunk::kElementsFieldNumber, pb::ContactChunk::kToiFieldNumber,
     pb::ContactChunk::kDistanceFieldNumber, pb::ContactChunk::kWeightsFieldNumber,
     pb::ContactChunk::kNormalsFieldNumber,  pb::ContactChunk::kFlagsFieldNumber,
-    pb::ContactChunk::kFeaturesFieldNumber};
+    pb::ContactChunk::kFeaturesFieldNumber, pb::ContactChunk::kSignedDistancesFieldNumber};
 
 // The wanted fields that exist for this kind at the frame's accuracy.
 OutputFields available(OutputFields fields, ContactKind kind, const ContactSet& set) {

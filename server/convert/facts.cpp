@@ -31,6 +31,7 @@ void fill_mesh(const MeshPlan& plan, const MeshSpec& engine, pb::MeshSpec* out) 
   out->set_exclude_rings(engine.excluded_rings);
   out->set_exclude_rest_pairs(engine.excludes_rest_pairs);
   out->set_half_thickness(engine.half_thickness);
+  out->set_solid(engine.solid);
   out->set_triangle_count(static_cast<uint32_t>(plan.triangles));
   out->set_edge_count(static_cast<uint32_t>(plan.edges));
   out->set_point_count(static_cast<uint32_t>(plan.points));

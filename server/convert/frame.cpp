@@ -53,6 +53,7 @@ void fill_counts(const FrameCounts& counts, pb::FrameCounts* out) {
   out->set_pairs(counts.pairs);
   fill_counts_of_kinds(counts, out);
   out->set_exact_decisions(counts.exact_decisions);
+  out->set_inside_out(counts.inside_out);
 }
 
 }  // namespace

@@ -29,7 +29,9 @@ constexpr PerKind<Kind> kKinds{
     .triangle_triangle = {pb::CONTACT_KIND_TRIANGLE_TRIANGLE, &pb::ContactBytes::set_triangle_triangle, nullptr,
                           nullptr, &pb::FrameCounts::set_contacts_triangle_triangle},
     .edge_triangle = {pb::CONTACT_KIND_EDGE_TRIANGLE, &pb::ContactBytes::set_edge_triangle, nullptr, nullptr,
-                      &pb::FrameCounts::set_contacts_edge_triangle}};
+                      &pb::FrameCounts::set_contacts_edge_triangle},
+    .vertex_solid = {pb::CONTACT_KIND_VERTEX_SOLID, &pb::ContactBytes::set_vertex_solid, nullptr, nullptr,
+                     &pb::FrameCounts::set_contacts_vertex_solid}};
 
 bool& wanted(SceneSpec& engine, pb::ContactKind message, int index) {
   bool* found = nullptr;

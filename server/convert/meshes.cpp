@@ -128,6 +128,7 @@ MeshSpec parse_mesh(const pb::MeshSpec& mesh, const std::string& path) {
   out.excluded_rings = mesh.exclude_rings();
   out.excludes_rest_pairs = mesh.exclude_rest_pairs();
   out.half_thickness = mesh.half_thickness();
+  out.solid = mesh.solid();
   parse_triangles(mesh, path, out);
   parse_loose_elements(mesh, path, out);
   return out;
@@ -171,7 +172,7 @@ void parse_exclusions(const pb::SceneSpec& spec, ScenePlan& plan) try {
   for (const auto& pair : spec.excluded_meshes()) plan.engine.excluded_meshes.push_back({pair.first(), pair.second()});
   check_exclusions(plan.engine);
 } catch (const InvalidInput& e) {
-  throw with_path(e, spec_path);
+  throw with_path_in(e, spec);
 }
 
 }  // namespace collided::server

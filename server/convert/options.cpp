@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "server/refusals/field_path.hpp"
@@ -70,12 +71,18 @@ constexpr std::pair<pb::MeshMotion, MeshMotion> kMotions[] = {{pb::MESH_MOTION_D
 constexpr std::pair<pb::PositionFormat, Scalar> kFormats[] = {{pb::POSITION_FORMAT_F32, Scalar::kF32},
                                                               {pb::POSITION_FORMAT_F64, Scalar::kF64}};
 
-// Stencils are no column of the engine's: they are made from the elements.
-constexpr std::pair<pb::ContactField, std::optional<ContactField>> kFields[] = {
-    {pb::CONTACT_FIELD_ELEMENTS, ContactField::kElements}, {pb::CONTACT_FIELD_STENCIL, std::nullopt},
-    {pb::CONTACT_FIELD_TOI, ContactField::kToi},           {pb::CONTACT_FIELD_DISTANCE, ContactField::kDistance},
-    {pb::CONTACT_FIELD_WEIGHTS, ContactField::kWeights},   {pb::CONTACT_FIELD_NORMAL, ContactField::kNormals},
-    {pb::CONTACT_FIELD_FLAGS, ContactField::kFlags},       {pb::CONTACT_FIELD_FEATURES, ContactField::kFeatures}};
+// Some are no columns of the engine's: stencils are made from the elements, and states are of pairs of meshes.
+constexpr std::pair<pb::ContactField, std::variant<ContactField, bool OutputFields::*>> kFields[] = {
+    {pb::CONTACT_FIELD_ELEMENTS, ContactField::kElements},
+    {pb::CONTACT_FIELD_STENCIL, &OutputFields::stencils},
+    {pb::CONTACT_FIELD_TOI, ContactField::kToi},
+    {pb::CONTACT_FIELD_DISTANCE, ContactField::kDistance},
+    {pb::CONTACT_FIELD_WEIGHTS, ContactField::kWeights},
+    {pb::CONTACT_FIELD_NORMAL, ContactField::kNormals},
+    {pb::CONTACT_FIELD_FLAGS, ContactField::kFlags},
+    {pb::CONTACT_FIELD_FEATURES, ContactField::kFeatures},
+    {pb::CONTACT_FIELD_PAIR_STATES, &OutputFields::pair_states},
+    {pb::CONTACT_FIELD_SIGNED_DISTANCE, ContactField::kSignedDistance}};
 
 // The rows of each enum that is parsed.
 constexpr const auto& rows_of(Accuracy) { return kAccuracies; }
@@ -138,20 +145,36 @@ struct OptionPath {
   std::string field, shown;
 };
 
-// The kind of contacts that an option of the engine asks for, if it is one that some scenes cannot have.
-std::optional<pb::ContactKind> kind_of(const std::string& option) {
-  if (option == "triangle_triangle") return pb::CONTACT_KIND_TRIANGLE_TRIANGLE;
-  if (option == "edge_triangle") return pb::CONTACT_KIND_EDGE_TRIANGLE;
+// An entry of one of the spec's lists.
+struct ListEntry {
+  std::string list;
+  const google::protobuf::RepeatedField<int>& (pb::SceneSpec::*entries)() const;
+  int number = 0;
+  std::string name;
+};
+
+ListEntry entry_of(pb::ContactKind kind) {
+  return {"spec.kinds", &pb::SceneSpec::kinds, kind, pb::ContactKind_Name(kind)};
+}
+
+// The entry that an option of the engine comes from, if it is one that some scenes cannot have.
+std::optional<ListEntry> entry_of(const std::string& option) {
+  if (option == "triangle_triangle") return entry_of(pb::CONTACT_KIND_TRIANGLE_TRIANGLE);
+  if (option == "edge_triangle") return entry_of(pb::CONTACT_KIND_EDGE_TRIANGLE);
+  if (option == "vertex_solid") return entry_of(pb::CONTACT_KIND_VERTEX_SOLID);
+  if (option == "pair_states")
+    return ListEntry{"spec.fields", &pb::SceneSpec::fields, pb::CONTACT_FIELD_PAIR_STATES,
+                     pb::ContactField_Name(pb::CONTACT_FIELD_PAIR_STATES)};
   return std::nullopt;
 }
 
 OptionPath path_in(const pb::SceneSpec& spec, const std::string& option) {
-  const auto kind = kind_of(option);
-  if (!kind) return {spec_path(option), spec_path(option)};
-  const auto& kinds = spec.kinds();
-  const std::string field =
-      fmt::format("spec.kinds[{}]", std::distance(kinds.begin(), std::find(kinds.begin(), kinds.end(), *kind)));
-  return {field, fmt::format("{}, {},", field, pb::ContactKind_Name(*kind))};
+  const auto entry = entry_of(option);
+  if (!entry) return {spec_path(option), spec_path(option)};
+  const auto& entries = (spec.*entry->entries)();
+  const std::string field = fmt::format(
+      "{}[{}]", entry->list, std::distance(entries.begin(), std::find(entries.begin(), entries.end(), entry->number)));
+  return {field, fmt::format("{}, {},", field, entry->name)};
 }
 
 constexpr bool always(const FrameInput&) { return true; }
@@ -169,6 +192,8 @@ constexpr OptionRow kOptions[] = {
     {"report", [](const FrameInput& frame) { return frame.report.has_value(); }, true},
     {"triangle_triangle", never, true},
     {"edge_triangle", never, true},
+    {"vertex_solid", never, true},
+    {"pair_states", never, true},
     {"ignore_separating", always, true},
     {"advance", always, true},
     {"limits", always, false},
@@ -229,11 +254,11 @@ OutputFields parse_fields(const pb::SceneSpec& spec, Mode mode) {
                       true};
   if (!spec.fields().empty()) fields = {};
   for (int i = 0; i < spec.fields_size(); ++i) {
-    const auto column = find_in(kFields, spec.fields(i), fmt::format("spec.fields[{}]", i));
-    if (column)
+    const auto asked = find_in(kFields, spec.fields(i), fmt::format("spec.fields[{}]", i));
+    if (const auto* column = std::get_if<ContactField>(&asked))
       fields.columns = fields.columns.with(*column);
     else
-      fields.stencils = true;
+      fields.*std::get<bool OutputFields::*>(asked) = true;
   }
   if (mode == Mode::kDcd) fields.columns = fields.columns.without(ContactField::kToi);
   return fields;
@@ -258,17 +283,24 @@ std::string_view label_of(EngineReason reason) {
 }
 
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out) {
-  for (const auto& [field, column] : kFields)
-    if (column ? fields.columns.has(*column) : fields.stencils) out->add_fields(field);
+  for (const auto& [field, asked] : kFields) {
+    const auto* column = std::get_if<ContactField>(&asked);
+    if (column ? fields.columns.has(*column) : fields.*std::get<bool OutputFields::*>(asked)) out->add_fields(field);
+  }
+}
+
+InvalidInput with_path_in(const InvalidInput& error, const pb::SceneSpec& spec) {
+  const OptionPath path = path_in(spec, error.field());
+  return {path.field, renamed(error, path.shown)};
 }
 
 void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec) try {
   check_options(engine);
 } catch (const InvalidInput& e) {
-  const OptionPath path = path_in(spec, e.field());
+  const InvalidInput refusal = with_path_in(e, spec);
   const std::string accuracy = "spec.accuracy is " + name_of(engine.accuracy);
-  throw InvalidInput(path.field, renamed(e, path.shown) +
-                                     context_of(row_of(e.field()), "spec.mode is " + name_of(engine.mode), accuracy));
+  throw InvalidInput(refusal.field(),
+                     refusal.what() + context_of(row_of(e.field()), "spec.mode is " + name_of(engine.mode), accuracy));
 }
 
 // The scene's own options are sound: unless the frame overrides the refused one, its accuracy is what does not fit.
@@ -280,8 +312,8 @@ void check_frame_options(const SceneSpec& scene, const FrameInput& frame) try {
   const bool is_mode = !is_own && frame.mode && !frame.accuracy;
   const std::string field = is_own ? frame_path(e.field()) : is_mode ? "frame.mode" : "frame.accuracy";
   const std::string value = name_of(frame.accuracy.value_or(scene.accuracy));
-  const auto kind = kind_of(e.field());
-  const std::string option = kind ? pb::ContactKind_Name(*kind) + " of spec.kinds" : spec_path(e.field());
+  const auto entry = entry_of(e.field());
+  const std::string option = entry ? entry->name + " of " + entry->list : spec_path(e.field());
   if (!is_own)
     throw InvalidInput(field,
                        fmt::format("{} is {}: {}", field, is_mode ? name_of(*frame.mode) : value, renamed(e, option)));

@@ -50,6 +50,8 @@ std::string_view label_of(Engine engine);
 std::string_view label_of(EngineReason reason);
 void fill_fields(const OutputFields& fields, pb::SceneSpec* out);
 
+/// The engine's refusal of a scene, with the path of the field of `spec` that it is about.
+InvalidInput with_path_in(const InvalidInput& error, const pb::SceneSpec& spec);
 /// Throws the engine's refusal of a scene's options, with the path of the field of `spec` that they come from.
 void check_scene_options(const SceneSpec& engine, const pb::SceneSpec& spec);
 /// The same for what a frame of a sound scene overrides. The field is the frame's.

@@ -219,9 +219,10 @@ ScenePlan parse_spec(const pb::SceneSpec& spec, const SceneDefaults& defaults, u
   engine.part_devices = parse_part_devices(spec, defaults);
   engine.expected[ListLengths::kContacts] = parse_expected_contacts(spec.expected_contacts());
   parse_kinds(spec, engine);
-  check_scene_options(engine, spec);
   plan.fields = parse_fields(spec, engine.mode);
   engine.fields = plan.fields.columns;
+  engine.pair_states = plan.fields.pair_states;
+  check_scene_options(engine, spec);
   engine.memory_budget = parse_budget(spec.memory_budget_bytes(), defaults.limits.max_scene_bytes);
   engine.threads = defaults.threads;
   const SceneSize size = check_sizes(spec, defaults.limits);

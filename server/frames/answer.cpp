@@ -2,6 +2,7 @@
 #include "server/frames/answer.hpp"
 
 #include "server/convert/frame.hpp"
+#include "server/convert/mesh_pairs.hpp"
 
 namespace collided::server {
 
@@ -13,7 +14,7 @@ void encode_contacts(
   fields.worlds = frame.tells_worlds;
   const auto chunks = cut_into_chunks(frame.result, fields, max_chunk_bytes, &frame.result.worlds.begin);
   const auto limits = cut_into_chunks(frame.result.limits, kLimitFields, max_limit_bytes);
-  frame.cost.bytes_out += array_bytes(frame.result.shortened);
+  frame.cost.bytes_out += array_bytes(frame.result.shortened) + array_bytes(frame.result.pair_states);
   for (const auto* all : {&chunks, &limits})
     for (const Chunk& chunk : *all) frame.cost.bytes_out += chunk.array_bytes();
   for_each_kind(

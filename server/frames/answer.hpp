@@ -24,7 +24,8 @@ constexpr size_t kMaxChunkBytes = pb::kMaxAnswerBytes / 2;
 void encode_contacts(const Scene& scene, AnsweredFrame& frame, size_t max_chunk_bytes, size_t max_limit_bytes,
                      const std::function<void(std::span<const Chunk> contacts, std::span<const Chunk> limits)>& encode);
 
-/// The end of the answer, without contacts, limits and shortened ways. The frame's cost must be complete.
+/// The end of the answer, without contacts, limits, shortened ways and pairs of meshes. The frame's cost must be
+/// complete.
 pb::FrameDone done_message(const AnsweredFrame& frame);
 
 }  // namespace collided::server

@@ -33,7 +33,7 @@ inline constexpr CounterRow kCounters[] = {
     {CounterId::kContacts, "collided_contacts_total", "Contacts that were reported"},
     {CounterId::kReceivedBytes, "collided_received_bytes_total", "Bytes of positions and indices in frames"},
     {CounterId::kSentBytes, "collided_sent_bytes_total",
-     "Bytes of arrays in answers: contacts, shortened ways, what limits them"},
+     "Bytes of arrays in answers: contacts, pairs of meshes, shortened ways, what limits them"},
     {CounterId::kSkippedFrames, "collided_skipped_frames_total", "Frames skipped by LATEST_WINS"},
     {CounterId::kNotShownFrames, "collided_watch_skipped_frames_total",
      "Frames that were not sent to a watcher, once for each watcher"},

@@ -35,9 +35,20 @@ inline std::string with_protocol_names(std::string text) {
   return text;
 }
 
-/// "updates[1].end" -> "frame.updates[1].positions".
+/// "meshes[0].triangles[5]" -> "spec.meshes[0].triangles[5]".
+inline std::string spec_path(const std::string& engine_path) {
+  if (engine_path.empty()) return "spec";
+  std::string path = with_last_part(with_protocol_names(engine_path), "memory_budget", "memory_budget_bytes");
+  for (const auto& [engine, protocol] : {std::pair{"scalar", "position_format"}, {"engine", "broad_phase_engine"}})
+    path = with_last_part(path, engine, protocol);
+  return "spec." + path;
+}
+
+/// "updates[1].end" -> "frame.updates[1].positions". What first positions show of a mesh is refused by the scene's
+/// field: "meshes[1].solid" -> "spec.meshes[1].solid".
 inline std::string frame_path(const std::string& engine_path) {
   if (engine_path.empty()) return "frame";
+  if (engine_path.starts_with("meshes[")) return spec_path(engine_path);
   std::string path = with_protocol_names(engine_path);
   for (const auto& [engine, protocol] : {std::pair{"indices", "sparse.indices"},
                                          {"start", "start_positions"},
@@ -48,15 +59,6 @@ inline std::string frame_path(const std::string& engine_path) {
        {std::pair{"edit.excluded[", "edit.exclude_meshes["}, {"edit.included[", "edit.include_meshes["}})
     if (path.starts_with(engine)) path = protocol + path.substr(std::string_view(engine).size());
   return "frame." + path;
-}
-
-/// "meshes[0].triangles[5]" -> "spec.meshes[0].triangles[5]".
-inline std::string spec_path(const std::string& engine_path) {
-  if (engine_path.empty()) return "spec";
-  std::string path = with_last_part(with_protocol_names(engine_path), "memory_budget", "memory_budget_bytes");
-  for (const auto& [engine, protocol] : {std::pair{"scalar", "position_format"}, {"engine", "broad_phase_engine"}})
-    path = with_last_part(path, engine, protocol);
-  return "spec." + path;
 }
 
 /// The engine's message, with `name` in place of the engine's field.

@@ -122,6 +122,10 @@ def folder_of(path):
     return match and match[1]
 
 
+def names_of(headers):
+    return ", ".join(sorted(header.removeprefix("gpu/") for header in headers))
+
+
 def engine_complaint(path, target):
     """Why a file of the engine may not include another one of it."""
     folder, other = folder_of(path), folder_of(target)
@@ -143,9 +147,9 @@ def engine_complaint(path, target):
     if other != folder and other not in FOLDERS[folder]:
         return f"{folder} must not know {other}"
     if folder == "exact" and other == "base" and target not in EXACT_BASE:
-        return "of base, the exact decisions know closest_features.hpp, contact_distance.hpp, host_device.hpp, rounding.hpp, twofold.hpp and vec3.hpp alone"
+        return "of base, the exact decisions know these alone: " + names_of(EXACT_BASE)
     if other == "exact" and folder != "exact" and target not in EXACT_API:
-        return "of gpu/exact, others know exact.hpp, decision.hpp, closest_features.hpp, crossings.hpp, poll.hpp, fixed/decide.hpp and fixed/parting.hpp alone"
+        return "of gpu/exact, others know these alone: " + names_of(EXACT_API)
     if path.startswith(EXACT_FIXED) and other == "exact" and not target.startswith(EXACT_FIXED):
         return "gpu/exact/fixed runs on every backend and knows nothing of the rest of gpu/exact"
     return None
@@ -153,10 +157,11 @@ def engine_complaint(path, target):
 
 # What the rest of the engine may see of gpu/exact; GMP stays behind these headers.
 EXACT_FIXED = "gpu/exact/fixed/"
-EXACT_API = {"gpu/exact/exact.hpp", "gpu/exact/decision.hpp", "gpu/exact/closest_features.hpp", "gpu/exact/crossings.hpp", "gpu/exact/poll.hpp", "gpu/exact/fixed/decide.hpp",
-             "gpu/exact/fixed/parting.hpp"}
-EXACT_BASE = {"gpu/base/closest_features.hpp", "gpu/base/contact_distance.hpp", "gpu/base/host_device.hpp",
-              "gpu/base/rounding.hpp", "gpu/base/twofold.hpp", "gpu/base/vec3.hpp"}
+EXACT_API = {f"gpu/exact/{name}.hpp" for name in (
+    "closest_features", "crossings", "decision", "exact", "nearest", "overlap", "poll", "rays", "volumes", "fixed/decide",
+    "fixed/parting", "fixed/ray_triangle")}
+EXACT_BASE = {f"gpu/base/{name}.hpp" for name in (
+    "box", "closest_features", "contact_distance", "host_device", "rounding", "twofold", "vec3")}
 
 # The one folder above client/cpp and server, and what it may know of the server.
 IN_PROCESS = "client/in_process/"

@@ -80,7 +80,7 @@ BAD = [
     ("gpu/exact/bad.hpp", '#include "gpu/narrow/ccd.hpp"'),
     ("gpu/exact/bad.hpp", '#include "gpu/step/pipeline.hpp"'),
     ("gpu/exact/bad.hpp", '#include "gpu/exec/cpu.hpp"'),
-    ("gpu/exact/bad.hpp", '#include "gpu/base/box.hpp"'),
+    ("gpu/exact/bad.hpp", '#include "gpu/base/lattice.hpp"'),
     ("gpu/exact/exact.hpp", "#include <gmpxx.h>"),
     ("gpu/exact/decision.hpp", "#include <gmp.h>"),
     ("gpu/exact/fixed/bad.hpp", "#include <gmp.h>"),

@@ -29,7 +29,8 @@ const Words<v1::PositionFormat> kFormats{
 const Words<v1::ContactKind> kKinds{{"vt", v1::CONTACT_KIND_VERTEX_TRIANGLE},
                                     {"ee", v1::CONTACT_KIND_EDGE_EDGE},
                                     {"tt", v1::CONTACT_KIND_TRIANGLE_TRIANGLE},
-                                    {"et", v1::CONTACT_KIND_EDGE_TRIANGLE}};
+                                    {"et", v1::CONTACT_KIND_EDGE_TRIANGLE},
+                                    {"vs", v1::CONTACT_KIND_VERTEX_SOLID}};
 
 const Words<v1::BroadPhaseEngine> kEngines{{"auto", v1::BROAD_PHASE_ENGINE_UNSPECIFIED},
                                            {"octree", v1::BROAD_PHASE_ENGINE_OCTREE},
@@ -75,6 +76,13 @@ std::string word_of(const Words<T>& words, T wanted) {
 
 bool wants(const DetectionOptions& options, const char* kind) {
   return std::count(options.kinds.begin(), options.kinds.end(), kind) > 0;
+}
+
+/// With solids, vertices inside them are contacts, too.
+std::vector<std::string> wanted_kinds(const DetectionOptions& options) {
+  std::vector<std::string> kinds = options.kinds;
+  if (has_solids(options) && !wants(options, "vs")) kinds.push_back("vs");
+  return kinds;
 }
 
 /// Refuses an address that no daemon can have, before anything is done.
@@ -154,7 +162,7 @@ void add_detection_options(CLI::App& command, DetectionOptions& options) {
   command
       .add_option("--kinds", options.kinds,
                   "Vertex-triangle, edge-edge, triangle-triangle (dcd, or candidates), edge-triangle (edges that go "
-                  "through triangles, dcd), such as vt,tt")
+                  "through triangles, dcd), vertex-solid (vertices inside other meshes, with --solid), such as vt,tt")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(one_of(kKinds))
@@ -220,6 +228,9 @@ void check_usage(const DetectionOptions& options) {
     throw UsageError("--kinds tt needs --mode dcd or --accuracy candidates");
   if (wants(options, "et") && (!dcd || accuracy == v1::ACCURACY_CANDIDATES))
     throw UsageError("--kinds et needs --mode dcd and --accuracy fast, guarded, certified or exact");
+  if (has_solids(options) && (!dcd || accuracy == v1::ACCURACY_CANDIDATES))
+    throw UsageError("--solid needs --mode dcd and --accuracy fast, guarded, certified or exact");
+  if (wants(options, "vs") && !has_solids(options)) throw UsageError("--kinds vs needs --solid");
   const bool by_distance = wants(options, "vt") || wants(options, "ee");
   const bool may_advance = !dcd && accuracy >= v1::ACCURACY_CERTIFIED && wants(options, "vt") && wants(options, "ee");
   if (options.advance && !may_advance)
@@ -252,7 +263,7 @@ v1::SceneSpec scene_spec(const ServerOptions& server, const DetectionOptions& de
   spec.set_report(value_of(kReports, detection.report));
   spec.set_broad_phase_engine(value_of(kEngines, detection.engine));
   spec.set_reuse(value_of(kReuses, detection.reuse));
-  for (const std::string& kind : detection.kinds) spec.add_kinds(value_of(kKinds, kind));
+  for (const std::string& kind : wanted_kinds(detection)) spec.add_kinds(value_of(kKinds, kind));
   spec.set_position_format(format);
   return spec;
 }

@@ -30,6 +30,7 @@ struct DetectionOptions {
   std::string accuracy = "certified";
   double thickness = 0;
   std::vector<std::pair<std::string, double>> half_thicknesses = {};  ///< of meshes, by name, each once
+  std::string solids = {};  ///< names of the meshes that are solids, separated by commas; kAllSolids; empty: none
   double delta = 0;
   std::string report = "all";
   std::vector<std::string> kinds{"vt", "ee"};
@@ -40,6 +41,10 @@ struct DetectionOptions {
   bool limits = false;        ///< of `advance`
   double min_separation = 0;  ///< that `advance` keeps
 };
+
+/// Of DetectionOptions::solids: all meshes are.
+inline constexpr const char* kAllSolids = "true";
+inline bool has_solids(const DetectionOptions& options) { return !options.solids.empty(); }
 
 /// The procedural scene that a subcommand plays.
 struct SceneOptions {

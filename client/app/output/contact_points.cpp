@@ -39,12 +39,14 @@ std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::
     x[k] = moves ? between(positions.start[vertex], positions.end[vertex], contacts.toi[i]) : positions.end[vertex];
   }
   const auto& w = contacts.weights[i];
-  if (kind == v1::CONTACT_KIND_VERTEX_TRIANGLE) return ContactPoints{x[0], in_triangle(x, w)};
+  if (kind != v1::CONTACT_KIND_EDGE_EDGE) return ContactPoints{x[0], in_triangle(x, w)};
   return ContactPoints{between(x[0], x[1], w[0]), between(x[2], x[3], w[1])};
 }
 
-bool asks_for_crossings(const v1::SceneSpec& spec) {
-  return std::ranges::count(spec.kinds(), int{v1::CONTACT_KIND_EDGE_TRIANGLE}) > 0;
+bool asks_for(const v1::SceneSpec& spec, v1::ContactKind kind) {
+  return std::ranges::count(spec.kinds(), int{kind}) > 0;
 }
+
+bool asks_for_crossings(const v1::SceneSpec& spec) { return asks_for(spec, v1::CONTACT_KIND_EDGE_TRIANGLE); }
 
 }  // namespace collided::cli

@@ -24,6 +24,7 @@ struct ContactPoints {
 std::optional<ContactPoints> contact_points(v1::ContactKind kind, const client::Contacts& contacts, size_t i,
                                             const StepPositions& positions);
 
+bool asks_for(const v1::SceneSpec& spec, v1::ContactKind kind);
 /// True if the spec asks for edge-triangle contacts, whose points need the features of the scene.
 bool asks_for_crossings(const v1::SceneSpec& spec);
 

@@ -39,7 +39,8 @@ constexpr std::tuple kColumns{TextColumn{"element_a,element_b", &Contacts::eleme
                               TextColumn{"w0,w1", &Contacts::weights},
                               PointsColumn{"point_a_x,point_a_y,point_a_z,point_b_x,point_b_y,point_b_z"},
                               TextColumn{"normal_x,normal_y,normal_z", &Contacts::normals},
-                              WordsColumn<&feature_words>{"features", &Contacts::features}};
+                              WordsColumn<&feature_words>{"features", &Contacts::features},
+                              TextColumn{"signed_distance", &Contacts::signed_distances}};
 static_assert(count_columns(kColumns) == client::kColumnCount, "a column of contacts is not in the files");
 
 /// A contact, and what its points are computed from.

@@ -27,7 +27,8 @@ constexpr std::tuple kColumns{TextColumn{"nx,ny,nz", &Contacts::normals},
                               TextColumn{"v0,v1,v2,v3", &Contacts::stencils},
                               TextColumn{"w0,w1", &Contacts::weights},
                               TextColumn{"flags", &Contacts::flags},
-                              TextColumn{"features", &Contacts::features}};
+                              TextColumn{"features", &Contacts::features},
+                              TextColumn{"signed_distance", &Contacts::signed_distances}};
 static_assert(count_columns(kColumns) == client::kColumnCount, "a column of contacts is not in the files");
 
 /// PLY's name of a type.

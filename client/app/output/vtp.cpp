@@ -85,7 +85,7 @@ class Arrays {
   template <class Field>
   bool is_there(Field field) const {
     return !(output_.vertex_triangle.*field).empty() || !(output_.edge_edge.*field).empty() ||
-           !(output_.edge_triangle.*field).empty();
+           !(output_.edge_triangle.*field).empty() || !(output_.vertex_solid.*field).empty();
   }
 
   NumberFile& out_;

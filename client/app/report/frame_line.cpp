@@ -33,10 +33,10 @@ client::PerKind<uint64_t> found_counts(const v1::FrameDone& done, const v1::Scen
   const v1::FrameCounts& counts = done.metrics().counts();
   if (!has_candidates(done, spec))
     return {counts.contacts_vertex_triangle(), counts.contacts_edge_edge(), counts.contacts_triangle_triangle(),
-            counts.contacts_edge_triangle()};
+            counts.contacts_edge_triangle(), counts.contacts_vertex_solid()};
   const uint64_t vertex_triangle = counts.candidates_vertex_triangle(), edge_edge = counts.candidates_edge_edge();
-  // Those of triangles have no count of their own; crossings have no candidates.
-  return {vertex_triangle, edge_edge, done.contact_count() - vertex_triangle - edge_edge, 0};
+  // Those of triangles have no count of their own; crossings and vertices in solids have no candidates.
+  return {vertex_triangle, edge_edge, done.contact_count() - vertex_triangle - edge_edge, 0, 0};
 }
 
 std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec) {
@@ -47,7 +47,8 @@ std::string frame_text(const v1::FrameDone& done, const v1::SceneSpec& spec) {
   return std::to_string(done.contact_count()) + (has_candidates(done, spec) ? " candidates (" : " contacts (") +
          std::to_string(found.vertex_triangle) + " vt, " + std::to_string(found.edge_edge) + " ee, " +
          std::to_string(found.triangle_triangle) + " tt" +
-         (asks_for_crossings(spec) ? ", " + std::to_string(found.edge_triangle) + " et)" : ")") +
+         (asks_for(spec, v1::CONTACT_KIND_EDGE_TRIANGLE) ? ", " + std::to_string(found.edge_triangle) + " et" : "") +
+         (asks_for(spec, v1::CONTACT_KIND_VERTEX_SOLID) ? ", " + std::to_string(found.vertex_solid) + " vs)" : ")") +
          (has_times(done, spec) ? ", earliest " + format_double("%.6g", done.earliest_toi()) : "") + time;
 }
 

@@ -43,18 +43,24 @@ Json half_thickness_json(const v1::SceneSpec& spec) {
   return out;
 }
 
+/// Names of the meshes that are solids.
+Json solids_json(const v1::SceneSpec& spec) {
+  Json out = Json::array();
+  for (const v1::MeshSpec& mesh : spec.meshes())
+    if (mesh.solid()) out.push_back(mesh.name());
+  return out;
+}
+
 }  // namespace
 
 Json scene_json(const v1::Scene& scene) {
   const v1::SceneSpec& spec = scene.spec();
-  Json out = {{"vertices", scene.vertex_count()},
-              {"edges", scene.edge_count()},
-              {"triangles", scene.triangle_count()},
-              {"meshes", spec.meshes_size()},
-              {"backend", name_of(spec.backend())},
-              {"device", scene.device()}};
+  Json out = {{"vertices", scene.vertex_count()},    {"edges", scene.edge_count()},
+              {"triangles", scene.triangle_count()}, {"meshes", spec.meshes_size()},
+              {"backend", name_of(spec.backend())},  {"device", scene.device()}};
   for (const auto& [name, value] : described(spec)) std::visit([&](const auto& known) { out[name] = known; }, value);
   if (Json halves = half_thickness_json(spec); !halves.empty()) out["half_thickness"] = std::move(halves);
+  if (Json solids = solids_json(spec); !solids.empty()) out["solids"] = std::move(solids);
   if (spec.part_devices_size() > 0) out["part_devices"] = part_devices_json(spec);
   return out;
 }

@@ -9,6 +9,7 @@
 #include "client/app/report/frame_line.hpp"
 #include "client/app/report/meetings.hpp"
 #include "client/app/report/numbers.hpp"
+#include "client/app/report/pair_states.hpp"
 
 namespace collided::cli {
 
@@ -20,7 +21,8 @@ using Pair = std::pair<size_t, size_t>;
 struct Found {
   client::PerKind<uint64_t> counts;
   MeetingCounts meetings;
-  std::vector<size_t> crossings;  ///< the first edge-triangle contacts, at most kMaxListed
+  std::vector<size_t> crossings;            ///< the first edge-triangle contacts, at most kMaxListed
+  const client::MeshPair* state = nullptr;  ///< if they are not apart, and one is a solid
 };
 
 /// The distance up to which two meshes are in contact; a mesh and itself, if both are the same.
@@ -42,13 +44,14 @@ Pair meshes_of(v1::ContactKind kind, const client::Contacts& contacts, size_t i,
   }
 }
 
-/// Contacts between any two meshes.
+/// Contacts between any two meshes, and how they lie to each other.
 std::map<Pair, Found> find_pairs(const Touching& touching) {
   std::map<Pair, Found> pairs;
   const bool is_exact = touching.spec.accuracy() == v1::ACCURACY_EXACT;
   const auto add = [&](v1::ContactKind kind, const client::Contacts& contacts, auto count) {
     const bool is_crossing = kind == v1::CONTACT_KIND_EDGE_TRIANGLE;
-    const bool has_stencils = kind == v1::CONTACT_KIND_VERTEX_TRIANGLE || kind == v1::CONTACT_KIND_EDGE_EDGE;
+    const bool is_near = kind == v1::CONTACT_KIND_VERTEX_TRIANGLE || kind == v1::CONTACT_KIND_EDGE_EDGE;
+    const bool has_stencils = is_near || kind == v1::CONTACT_KIND_VERTEX_SOLID;
     const size_t known = has_stencils ? contacts.stencils.size() : contacts.elements.size();
     for (size_t i = 0; i < known; ++i) {
       const auto [a, b] = meshes_of(kind, contacts, i, touching.scene);
@@ -57,13 +60,16 @@ std::map<Pair, Found> find_pairs(const Touching& touching) {
       ++(found.counts.*count);
       if (is_crossing && found.crossings.size() < kMaxListed) found.crossings.push_back(i);
       const bool is_surely_near = is_exact && contact_distance(touching, pair) == 0;
-      if (is_crossing || (is_surely_near && has_stencils)) found.meetings.add(kind, contacts, i);
+      if (is_crossing || (is_surely_near && is_near)) found.meetings.add(kind, contacts, i);
     }
   };
   client::for_each_kind(add, touching.output,
                         client::PerKind<uint64_t client::PerKind<uint64_t>::*>{
                             &client::PerKind<uint64_t>::vertex_triangle, &client::PerKind<uint64_t>::edge_edge,
-                            &client::PerKind<uint64_t>::triangle_triangle, &client::PerKind<uint64_t>::edge_triangle});
+                            &client::PerKind<uint64_t>::triangle_triangle, &client::PerKind<uint64_t>::edge_triangle,
+                            &client::PerKind<uint64_t>::vertex_solid});
+  for (const client::MeshPair& state : touching.output.pairs)
+    pairs[{state.first, client::checked_id("mesh", state.second, touching.meshes.size())}].state = &state;
   return pairs;
 }
 
@@ -86,6 +92,7 @@ std::string counts_text(const client::PerKind<uint64_t>& found) {
   add(found.edge_edge, "edge-edge");
   add(found.triangle_triangle, "triangle-triangle");
   add(found.edge_triangle, "edge-triangle");
+  add(found.vertex_solid, "vertex-solid");
   return plural(sum_of(found), "contact") + " (" + kinds + ")";
 }
 
@@ -106,6 +113,8 @@ std::string distances_text(const Touching& touching) {
   if (!std::ranges::any_of(touching.meshes, is_thick)) return text;
   return text + (text.empty() ? " at" : " and") + " half thicknesses of their own";
 }
+
+PairPlace place_of(const Touching& touching) { return {touching.meshes, touching.scene, touching.output}; }
 
 std::string pair_text(const Touching& touching, const Pair& pair, bool touches) {
   const std::string& first = touching.meshes[pair.first].name;
@@ -139,8 +148,16 @@ Box box_of(std::span<const scenes::Vec3d> positions) {
   return box;
 }
 
-/// Explains a missing contact that a newcomer may expect: meshes are surfaces, not solids.
-std::string inside_text(const Touching& touching) {
+/// Says how two meshes that are not apart lie to each other, and what contacts they have.
+std::string found_text(const Touching& touching, const Pair& pair, const Found& found) {
+  const std::string head = found.state ? state_text(*found.state, place_of(touching)) : pair_text(touching, pair, true);
+  const std::string contacts = sum_of(found.counts) > 0 ? ": " + counts_text(found.counts) : "";
+  return head + distance_text(touching, pair) + contacts + crossings_text(touching, found) +
+         (found.state ? inside_text(*found.state, place_of(touching)) : "");
+}
+
+/// Explains a missing contact that a newcomer may expect: meshes are surfaces, unless --solid names them.
+std::string surfaces_text(const Touching& touching) {
   std::vector<Box> boxes;
   size_t at = 0;
   for (const client::MeshInput& mesh : touching.meshes) {
@@ -149,9 +166,9 @@ std::string inside_text(const Touching& touching) {
   }
   for (size_t a = 0; a < boxes.size(); ++a)
     for (size_t b = 0; b < boxes.size(); ++b)
-      if (a != b && boxes[a].contains(boxes[b]))
+      if (a != b && boxes[a].contains(boxes[b]) && !touching.meshes[a].solid)
         return "; the box around " + touching.meshes[b].name + " is within that around " + touching.meshes[a].name +
-               ", but meshes are surfaces: one wholly inside another has no contact";
+               ", but meshes are surfaces: one wholly inside another has no contact; --solid looks inside";
   return "";
 }
 
@@ -164,6 +181,7 @@ Json touching_json(const Touching& touching) {
     Json& entry =
         out.emplace_back(Json{{"meshes", {touching.meshes[pair.first].name, touching.meshes[pair.second].name}},
                               {"contact_count", sum_of(found.counts)}});
+    if (found.state) entry.update(state_json(*found.state, place_of(touching)));
     if (!asks_for_crossings(touching.spec)) continue;
     entry.update(meeting_counts_json(found.meetings));
     entry["crossings"] = Json::array();
@@ -178,17 +196,15 @@ std::string touching_text(const Touching& touching) {
   const size_t meshes = touching.meshes.size();
   const Pair all{0, meshes - 1};
   const std::string distance = distances_text(touching);
-  if (!touching.output.done.any_contact())
+  if (!touching.output.done.any_contact() && touching.output.pairs.empty())
     return (meshes <= 2 ? pair_text(touching, all, false) : "none of the " + std::to_string(meshes) + " meshes touch") +
-           distance + inside_text(touching);
+           distance + surfaces_text(touching);
   const auto pairs = find_pairs(touching);
   if (pairs.empty())  // only whether there is a contact was asked
     return (meshes <= 2 ? pair_text(touching, all, true) : "some of the " + std::to_string(meshes) + " meshes touch") +
            distance;
   std::string text;
-  for (const auto& [pair, found] : pairs)
-    text += (text.empty() ? "" : "\n") + pair_text(touching, pair, true) + distance_text(touching, pair) + ": " +
-            counts_text(found.counts) + crossings_text(touching, found);
+  for (const auto& [pair, found] : pairs) text += (text.empty() ? "" : "\n") + found_text(touching, pair, found);
   const auto between = static_cast<size_t>(std::count_if(
       pairs.begin(), pairs.end(), [](const auto& pair) { return pair.first.first != pair.first.second; }));
   const size_t others = meshes * (meshes - 1) / 2 - between;

@@ -21,9 +21,10 @@ struct Touching {
   const client::SceneFeatures& scene;
 };
 
-/// Returns the pairs of meshes that touch, each with their names and the number of contacts. If the spec asks for
-/// edge-triangle contacts, a pair also has how many edges go through triangles, how many pairs of features touch, and
-/// the first of these crossings. Empty if the spec asks for no contacts.
+/// Returns the pairs of meshes that touch, each with their names and the number of contacts, and how they lie to each
+/// other if one is a solid. If the spec asks for edge-triangle contacts, a pair also has how many edges go through
+/// triangles, how many pairs of features touch, and the first of these crossings. Empty if the spec asks for no
+/// contacts.
 Json touching_json(const Touching& touching);
 
 /// A sentence for each pair that touches, or one that says that none does.

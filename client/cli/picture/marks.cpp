@@ -46,7 +46,7 @@ std::array<Vec3d, 2> crossing_of(const Corners& a, const Corners& b) {
 void mark_contacts(Marks& marks, const client::FrameOutput& output, const StepPositions& positions) {
   for_each_located(output, positions, [&](const LocatedContact& contact) {
     const Vec3d middle = scenes::between(contact.points.first, contact.points.second, 0.5);
-    if (contact.kind == v1::CONTACT_KIND_VERTEX_TRIANGLE) {
+    if (contact.kind == v1::CONTACT_KIND_VERTEX_TRIANGLE || contact.kind == v1::CONTACT_KIND_VERTEX_SOLID) {
       marks.vertices.push_back(middle);
       if (!contact.contacts.elements.empty()) marks.touched.push_back(contact.contacts.elements[contact.i][1]);
       return;

@@ -133,6 +133,7 @@ SceneElements::SceneElements(const v1::SceneSpec& spec, const std::vector<std::s
     input.groups = mesh.groups();
     input.collide_mask = mesh.collide_mask();
     input.half_thickness = mesh.half_thickness();
+    input.solid = mesh.solid();
     // A rigid mesh is never tested with itself.
     input.no_self_contacts = mesh.no_self_contacts() || mesh.motion() == v1::MESH_MOTION_RIGID;
   }

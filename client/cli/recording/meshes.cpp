@@ -40,7 +40,8 @@ RecordedMeshes::RecordedMeshes(const v1::SceneSpec& spec) : elements_(static_cas
                        .groups = mesh.groups(),
                        .collide_mask = mesh.collide_mask(),
                        .no_self_contacts = mesh.no_self_contacts(),
-                       .half_thickness = mesh.half_thickness()});
+                       .half_thickness = mesh.half_thickness(),
+                       .solid = mesh.solid()});
   }
 }
 

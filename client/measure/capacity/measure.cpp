@@ -15,9 +15,9 @@ void count(const v1::FrameMetrics& metrics, Measured& measured) {
   const v1::FrameCounts& counts = metrics.counts();
   measured.engine_ms += share * metrics.engine_milliseconds();
   measured.bytes_out += share * static_cast<double>(metrics.bytes_out());
-  measured.contacts +=
-      share * static_cast<double>(counts.contacts_vertex_triangle() + counts.contacts_edge_edge() +
-                                  counts.contacts_triangle_triangle() + counts.contacts_edge_triangle());
+  measured.contacts += share * static_cast<double>(counts.contacts_vertex_triangle() + counts.contacts_edge_edge() +
+                                                   counts.contacts_triangle_triangle() +
+                                                   counts.contacts_edge_triangle() + counts.contacts_vertex_solid());
   measured.device_bytes = std::max(measured.device_bytes, metrics.device_bytes());
 }
 

@@ -1,6 +1,7 @@
 // A frame's contacts as typed arrays, assembled from the daemon's chunks.
 
 import { join } from "./arrays.js";
+import { join as pathOf } from "./check.js";
 import { checkNumbers, dataLoss } from "./check_answer.js";
 import { type ContactChunk, ContactKind } from "./generated/collided/v1/contact.js";
 
@@ -14,6 +15,7 @@ export interface Contact {
   normal: [number, number, number] | undefined;
   flags: number | undefined;
   features: number | undefined;
+  signedDistance: number | undefined;
 }
 
 /**
@@ -25,13 +27,13 @@ export interface Contacts extends Iterable<Contact> {
   readonly count: number;
   /** The same as `count`. */
   readonly length: number;
-  /** Two ids for each contact: vertex and element, two edges, two triangles, or edge and triangle; scene-wide. */
+  /** Two ids for each contact: vertex and element, two edges, two triangles, edge and triangle, or vertex and triangle of a solid; scene-wide. */
   elements: Uint32Array;
   /** Four vertices for each contact; scene-wide. */
   stencils: Uint32Array;
   /** Time of impact for each contact, in [0, 1] of the step. */
   toi: Float64Array;
-  /** For each contact, >= 0, in the unit of the positions. */
+  /** For each contact, >= 0, in the unit of the positions; of vertices in solids it is minus the depth, < 0. */
   distance: Float64Array;
   /** Two for each contact: `contactPoints` turns them into points. */
   weights: Float64Array;
@@ -44,6 +46,12 @@ export interface Contacts extends Iterable<Contact> {
    * are; masks say what covers it: `features[i] & ClosestFeature.NEARER_AT_SECOND`.
    */
   features: Uint8Array;
+  /**
+   * The distance of each contact with a sign, in discrete frames of scenes with a solid. It is negative where the closest point of one
+   * feature is inside the other feature's mesh, a solid. It is NaN where neither mesh is a solid, of a mesh and itself, and where one of
+   * the two features goes through the other's mesh.
+   */
+  signedDistances: Float64Array;
 }
 
 /** Contacts of all kinds. */
@@ -52,6 +60,7 @@ export interface ContactsByKind {
   edgeEdge: Contacts;
   triangleTriangle: Contacts;
   edgeTriangle: Contacts;
+  vertexSolid: Contacts;
 }
 
 /** The fields of an answer that have contacts, as errors name them. */
@@ -59,15 +68,28 @@ export type ContactsField = "contacts" | "limits";
 
 type Field = Exclude<keyof Contacts, "count" | "length" | typeof Symbol.iterator>;
 
-const ENTRIES: Record<Field, number> = { elements: 2, stencils: 4, toi: 1, distance: 1, weights: 2, normals: 3, flags: 1, features: 1 };
+const ENTRIES: Record<Field, number> = {
+  elements: 2,
+  stencils: 4,
+  toi: 1,
+  distance: 1,
+  weights: 2,
+  normals: 3,
+  flags: 1,
+  features: 1,
+  signedDistances: 1,
+};
 const FIELDS = Object.keys(ENTRIES) as Field[];
+/** Contacts that limit a way have the others. */
+const OF_DISCRETE_FRAMES: readonly Field[] = ["features", "signedDistances"];
 
 /**
  * Joins chunks of a field of the answer, `of`. Throws (DATA_LOSS) if an array's length is not what its chunk's count asks for, or
  * a kind is not known.
  */
 export function contactsOf(chunks: readonly ContactChunk[], of: ContactsField = "contacts"): ContactsByKind {
-  const known = [ContactKind.VERTEX_TRIANGLE, ContactKind.EDGE_EDGE, ContactKind.TRIANGLE_TRIANGLE, ContactKind.EDGE_TRIANGLE];
+  const { VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE, EDGE_TRIANGLE, VERTEX_SOLID } = ContactKind;
+  const known = [VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE, EDGE_TRIANGLE, VERTEX_SOLID];
   if (chunks.some((chunk) => chunk.count === 0)) throw dataLoss(`${of}.count is 0; a chunk has 1 contact or more`);
   if (chunks.some((chunk) => chunk.shared)) throw dataLoss(`${of}.shared names shared memory, and there is none over gRPC`);
   const stranger = chunks.find((chunk) => !known.includes(chunk.kind));
@@ -75,37 +97,40 @@ export function contactsOf(chunks: readonly ContactChunk[], of: ContactsField = 
   const ofKind = (kind: ContactKind) =>
     assemble(
       chunks.filter((chunk) => chunk.kind === kind),
+      kind,
       of,
     );
   return {
-    vertexTriangle: ofKind(ContactKind.VERTEX_TRIANGLE),
-    edgeEdge: ofKind(ContactKind.EDGE_EDGE),
-    triangleTriangle: ofKind(ContactKind.TRIANGLE_TRIANGLE),
-    edgeTriangle: ofKind(ContactKind.EDGE_TRIANGLE),
+    vertexTriangle: ofKind(VERTEX_TRIANGLE),
+    edgeEdge: ofKind(EDGE_EDGE),
+    triangleTriangle: ofKind(TRIANGLE_TRIANGLE),
+    edgeTriangle: ofKind(EDGE_TRIANGLE),
+    vertexSolid: ofKind(VERTEX_SOLID),
   };
 }
 
-/** Joins chunks of contacts that limit a way. Throws (DATA_LOSS) if an array but `features` is missing, or a kind limits no way. */
+/** Joins chunks of contacts that limit a way. Throws (DATA_LOSS) if one of their arrays is missing, or a kind limits no way. */
 export function limitsOf(chunks: readonly ContactChunk[]): ContactsByKind {
   const limits = contactsOf(chunks, "limits");
-  for (const kind of [ContactKind.TRIANGLE_TRIANGLE, ContactKind.EDGE_TRIANGLE]) {
+  for (const kind of [ContactKind.TRIANGLE_TRIANGLE, ContactKind.EDGE_TRIANGLE, ContactKind.VERTEX_SOLID]) {
     if (chunks.some((chunk) => chunk.kind === kind)) {
       throw dataLoss(`limits.kind is ${ContactKind[kind]}; only a vertex and a triangle, or two edges, limit a way`);
     }
   }
   for (const contacts of [limits.vertexTriangle, limits.edgeEdge]) {
-    const missing = FIELDS.find((field) => field !== "features" && contacts[field].length !== contacts.count * ENTRIES[field]);
+    const isMissing = (field: Field) => contacts[field].length !== contacts.count * ENTRIES[field];
+    const missing = FIELDS.find((field) => !OF_DISCRETE_FRAMES.includes(field) && isMissing(field));
     if (missing) throw dataLoss(`limits.${missing} has ${contacts[missing].length} entries for ${contacts.count} contacts`);
   }
   return limits;
 }
 
-function assemble(chunks: ContactChunk[], of: ContactsField): Contacts {
+function assemble(chunks: ContactChunk[], kind: ContactKind, of: ContactsField): Contacts {
   const count = chunks.reduce((sum, chunk) => sum + chunk.count, 0);
   const array = <T extends ArrayBufferView & { length: number }>(Type: new (buffer: ArrayBuffer) => T, field: Field): T => {
     const joined = join(Type, whole(chunks, field, Type as unknown as { BYTES_PER_ELEMENT: number }, of));
     if (joined.length > 0 && joined.length !== count * ENTRIES[field]) {
-      throw dataLoss(`${of}.${field} has ${joined.length} entries for ${count} contacts`);
+      throw dataLoss(`${pathOf(of, field)} has ${joined.length} entries for ${count} contacts`);
     }
     return joined;
   };
@@ -118,8 +143,9 @@ function assemble(chunks: ContactChunk[], of: ContactsField): Contacts {
     normals: array(Float32Array, "normals"),
     flags: array(Uint8Array, "flags"),
     features: array(Uint8Array, "features"),
+    signedDistances: array(Float64Array, "signedDistances"),
   });
-  checkNumbers(contacts, of, FIELDS.every((field) => contacts[field].length === 0));
+  checkNumbers(contacts, kind, of, FIELDS.every((field) => contacts[field].length === 0));
   return contacts;
 }
 
@@ -132,6 +158,7 @@ class ContactArrays implements Contacts {
   readonly normals: Float32Array;
   readonly flags: Uint8Array;
   readonly features: Uint8Array;
+  readonly signedDistances: Float64Array;
 
   constructor(
     readonly count: number,
@@ -146,6 +173,7 @@ class ContactArrays implements Contacts {
       normals: this.normals,
       flags: this.flags,
       features: this.features,
+      signedDistances: this.signedDistances,
     } = arrays);
   }
 
@@ -164,6 +192,7 @@ class ContactArrays implements Contacts {
         normal: this.#entries("normals", i),
         flags: this.flags[i],
         features: this.features[i],
+        signedDistance: this.signedDistances[i],
       };
     }
   }
@@ -183,7 +212,7 @@ function whole(
   for (const chunk of chunks) {
     const needed = chunk.count * ENTRIES[field] * BYTES_PER_ELEMENT;
     if (chunk[field].length !== 0 && chunk[field].length !== needed) {
-      throw dataLoss(`${of}.${field} has ${chunk[field].length} bytes for ${chunk.count} contacts; it needs ${needed}`);
+      throw dataLoss(`${pathOf(of, field)} has ${chunk[field].length} bytes for ${chunk.count} contacts; it needs ${needed}`);
     }
   }
   return chunks.map((chunk) => chunk[field]);

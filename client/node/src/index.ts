@@ -10,6 +10,7 @@ export type { MeshElements } from "./mesh_elements.js";
 export type { FrameInput, MeshEditInput, MeshUpdateInput, SceneEditInput } from "./frame.js";
 export type { Contact, Contacts, ContactsByKind } from "./contacts.js";
 export type { FrameOutput } from "./output.js";
+export type { PairOfMeshes } from "./pairs.js";
 export { type Shortened, fractionsOf } from "./shortened.js";
 export type { FrameStream, StreamOptions } from "./stream.js";
 export type { Session, SessionOptions } from "./session.js";
@@ -18,7 +19,7 @@ export { ClosestFeature, EdgePlace, TrianglePlace, kept, placeOnTriangle, places
 export { type ContactPoints, type ElementKind, contactPoints, elementKind } from "./points.js";
 export { type RealPositions, moveAlong, moveRigidly, packQuantized, poseAlong, unpackQuantized } from "./positions.js";
 
-export { ContactField, ContactFlag, ContactKind } from "./generated/collided/v1/contact.js";
+export { ContactField, ContactFlag, ContactKind, MeshPairState } from "./generated/collided/v1/contact.js";
 export { AdvanceMode, type FrameDone } from "./generated/collided/v1/frame.js";
 export type { FrameMetrics } from "./generated/collided/v1/metrics.js";
 export {

@@ -29,7 +29,7 @@ export function elementKind(contacts: Pick<Contacts, "stencils">, i: number): El
  * (ContactField.WEIGHTS) and, with `start`, toi.
  */
 export function contactPoints(
-  kind: ContactKind.VERTEX_TRIANGLE | ContactKind.EDGE_EDGE,
+  kind: ContactKind.VERTEX_TRIANGLE | ContactKind.EDGE_EDGE | ContactKind.VERTEX_SOLID,
   contacts: WithPoints,
   end: ArrayLike<number>,
   start?: ArrayLike<number>,
@@ -45,7 +45,7 @@ export function contactPoints(
         const at = 3 * contacts.stencils[4 * i + k] + axis;
         return start ? (1 - t) * start[at] + t * end[at] : end[at];
       };
-      const isVertex = kind === ContactKind.VERTEX_TRIANGLE;
+      const isVertex = kind !== ContactKind.EDGE_EDGE;
       first[3 * i + axis] = isVertex ? x(0) : (1 - w0) * x(0) + w0 * x(1);
       second[3 * i + axis] = isVertex ? (1 - w0 - w1) * x(1) + w0 * x(2) + w1 * x(3) : (1 - w1) * x(2) + w1 * x(3);
     }

@@ -49,6 +49,11 @@ export interface MeshInput {
    * contact up to the thickness and both halves, a mesh and itself up to the thickness and twice its half. 0 if left out.
    */
   halfThickness?: number;
+  /**
+   * The mesh bounds a volume. It has triangles alone, which use each edge as often in one direction as in the other. Its volume in its
+   * first frame is above 0; normals (b - a) x (c - a) point outside. The daemon refuses other meshes. The default is false.
+   */
+  solid?: boolean;
 }
 
 /** A scene to create; proto/collided/v1/scene.proto describes each field of SceneSpec. */
@@ -110,6 +115,7 @@ const MESH: Rules<MeshInput> = {
   excludeRings: uint32,
   excludeRestPairs: boolean,
   halfThickness: finite,
+  solid: boolean,
 };
 
 const SCENE: Rules<SceneInput> = {

@@ -12,7 +12,7 @@ import {
   type StreamOpened,
   type StreamFramesResponse,
 } from "./generated/collided/v1/collision_service.js";
-import type { ContactChunk } from "./generated/collided/v1/contact.js";
+import type { ContactChunk, MeshPairs } from "./generated/collided/v1/contact.js";
 import { AdvanceMode, type ShortenedWays } from "./generated/collided/v1/frame.js";
 import type { Scene } from "./generated/collided/v1/scene.js";
 import { type FrameEnd, FrameOutput } from "./output.js";
@@ -44,6 +44,7 @@ interface Unanswered extends Taker {
   ways: ShortenedWays[];
   mode: AdvanceMode;
   limits: ContactChunk[];
+  pairs: MeshPairs[];
   hasLimits: boolean;
 }
 
@@ -210,7 +211,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
     if (input?.edit) this.#hasEdits = true;
     if (id > this.#lastId) this.#lastId = id; // else it is refused
     const asked = { mode: input?.advanceMode ?? AdvanceMode.UNSPECIFIED, hasLimits: input?.limits ?? false };
-    this.#unanswered.push({ id, chunks: [], ways: [], limits: [], ...asked, ...taker });
+    this.#unanswered.push({ id, chunks: [], ways: [], limits: [], pairs: [], ...asked, ...taker });
     this.#unsent += 1;
     if (this.#credits > 0) this.#credits -= 1;
     else await new Promise<void>((resolve) => this.#awaitingCredit.push(resolve));
@@ -241,6 +242,7 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
       if (response?.$case === "contacts") this.#oldest(frameId).chunks.push(response.value);
       if (response?.$case === "shortened") this.#oldest(frameId).ways.push(response.value);
       if (response?.$case === "limits") this.#oldest(frameId).limits.push(response.value);
+      if (response?.$case === "pairs") this.#oldest(frameId).pairs.push(response.value);
       if (response?.$case === "done") this.#complete(frameId, { done: response.value });
       if (response?.$case === "error") this.#complete(frameId, { error: errorOfFrame(response.value) });
       if (response?.$case === "skipped" && this.#maySkip) return this.#complete(frameId, {});
@@ -260,8 +262,8 @@ export class FrameStream implements AsyncIterable<FrameOutput> {
   }
 
   #complete(frameId: bigint, end: FrameEnd): void {
-    const { chunks, ways, mode, limits, hasLimits, give } = this.#oldest(frameId);
-    const output = new FrameOutput(frameId, chunks, end, ways, limits);
+    const { chunks, ways, mode, limits, hasLimits, pairs, give } = this.#oldest(frameId);
+    const output = new FrameOutput(frameId, chunks, end, ways, limits, pairs);
     if (end.done) checkTotal(end.done, output);
     checkAsked(output.limits, hasLimits);
     checkShortened(output.shortened, mode, this.#hasEdits ? undefined : this.#size);

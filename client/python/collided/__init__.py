@@ -15,7 +15,7 @@ from collided.connection.client import Client
 from collided.connection.mesh_elements import MeshElements
 from collided.connection.options import ConnectOptions
 from collided.connection.own_daemon import OwnDaemon
-from collided.contacts import Contacts, Feature, Flag, OnEdge, OnTriangle
+from collided.contacts import Contacts, Feature, Flag, MeshPair, MeshPairs, OnEdge, OnTriangle, PairState
 from collided.detection import detect, proximity
 from collided.errors import (Aborted, AlreadyExists, Cancelled, DataLoss, DeadlineExceeded, Error, FailedPrecondition,
                              Internal, InvalidArgument, NotFound, PermissionDenied, ResourceExhausted, Unauthenticated,
@@ -34,8 +34,8 @@ from collided.watch import Watched, Watcher
 __version__ = "0.1.0"
 __all__ = ["Aborted", "AlreadyExists", "Box", "Cancelled", "Client", "ConnectOptions", "Contacts", "DataLoss",
            "DeadlineExceeded", "Edit", "Error", "FailedPrecondition", "Feature", "Flag", "FrameOptions", "Internal",
-           "InvalidArgument", "Mesh", "MeshElements", "NotFound", "OnEdge", "OnTriangle", "OwnDaemon",
-           "PermissionDenied", "ResourceExhausted", "Rigid", "Scene", "SceneBatch", "SceneOptions", "Session",
+           "InvalidArgument", "Mesh", "MeshElements", "MeshPair", "MeshPairs", "NotFound", "OnEdge", "OnTriangle", "OwnDaemon",
+           "PairState", "PermissionDenied", "ResourceExhausted", "Rigid", "Scene", "SceneBatch", "SceneOptions", "Session",
            "Shortened", "Sparse", "Unauthenticated", "Unavailable", "Unimplemented", "Watched", "Watcher",
            "WorldContacts", "detect", "move_along", "move_rigidly", "pack_quantized", "pose_along", "proximity",
            "unpack_quantized"]

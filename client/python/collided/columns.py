@@ -44,7 +44,8 @@ COLUMNS = {column.name: column for column in (
     Column("weights", "weights", np.dtype("<f8"), (2,), np.nan, ("w0", "w1")),
     Column("normals", "normal", np.dtype("<f4"), (3,), np.nan, ("normal_x", "normal_y", "normal_z")),
     Column("flags", "flags", np.dtype("u1"), (), 0),
-    Column("features", "features", np.dtype("u1"), (), 0, in_limits=False))}
+    Column("features", "features", np.dtype("u1"), (), 0, in_limits=False),
+    Column("signed_distances", "signed_distance", np.dtype("<f8"), (), np.nan, in_limits=False))}
 
 
 class HasColumns(Generic[Values]):
@@ -70,7 +71,8 @@ class HasColumns(Generic[Values]):
 
     @property
     def distance(self) -> Values:
-        """float64[n]: distance >= 0 at the time of impact, or in the frame (DCD), in the unit of the positions."""
+        """float64[n]: distance >= 0 at the time of impact, or in the frame (DCD), in the unit of the positions. Of a vertex in a solid
+        it is minus its depth, < 0."""
         return self._column("distance")
 
     @property
@@ -91,5 +93,12 @@ class HasColumns(Generic[Values]):
     @property
     def features(self) -> Values:
         """uint8[n]: on which features the closest points are, and masks of `Feature`; `OnTriangle.of` and `OnEdge.of` read it. In DCD
-        with the report "all", from "fast" on, in a scene on one device; 0 of triangle pairs and edge-triangle contacts."""
+        with the report "all", from "fast" on, in a scene on one device; 0 of triangle pairs, edge-triangle and vertex-solid contacts."""
         return self._column("features")
+
+    @property
+    def signed_distances(self) -> Values:
+        """float64[n]: minus `distance` where the closest point of one feature is inside the other feature's mesh, a solid, else
+        `distance`. In DCD with the report "all", from "fast" on, in a scene with a solid. NaN where neither mesh is a solid, of a
+        mesh and itself, where one of the two features goes through the other's mesh, and of kinds but vertex-triangle and edge-edge."""
+        return self._column("signed_distances")

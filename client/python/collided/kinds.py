@@ -23,7 +23,8 @@ VERTEX_TRIANGLE = Kind(contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE, "vertex_triangl
 EDGE_EDGE = Kind(contact_pb2.CONTACT_KIND_EDGE_EDGE, "edge_edge", "ee")
 TRIANGLE_TRIANGLE = Kind(contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, "triangle_triangle", "tt")
 EDGE_TRIANGLE = Kind(contact_pb2.CONTACT_KIND_EDGE_TRIANGLE, "edge_triangle", "et")
-KINDS = {kind.number: kind for kind in (VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE, EDGE_TRIANGLE)}
+VERTEX_SOLID = Kind(contact_pb2.CONTACT_KIND_VERTEX_SOLID, "vertex_solid", "vs")
+KINDS = {kind.number: kind for kind in (VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE, EDGE_TRIANGLE, VERTEX_SOLID)}
 
 
 class HasKinds(Generic[Found]):
@@ -51,3 +52,8 @@ class HasKinds(Generic[Found]):
     def et(self) -> Found:
         """Those of an edge that goes through a triangle."""
         return self._of_kind(EDGE_TRIANGLE)
+
+    @property
+    def vs(self) -> Found:
+        """Those of a vertex inside another mesh, a solid, and the nearest triangle of that."""
+        return self._of_kind(VERTEX_SOLID)

@@ -32,8 +32,10 @@ class SceneOptions:
     quantization_box: the Box of "q16".
     thickness, delta, min_separation, rest_distance: lengths >= 0. To `thickness` meshes add their own `half_thickness`; a
         `rest_distance` of 0 is each mesh's own contact distance.
-    kinds: of "vt", "ee", "tt" and "et" (edges that go through triangles, in frames of DCD); empty: the first two.
-    fields: of FIELDS; those that are left out are neither computed nor sent. All of them mean all that the daemon knows.
+    kinds: of "vt", "ee", "tt" and, in frames of DCD, "et" (edges that go through triangles) and "vs" (vertices in solids); empty: the
+        first two.
+    fields: of FIELDS, and "pair_states" (`Contacts.pairs`); those that are left out are neither computed nor sent. All of FIELDS mean
+        all that the daemon knows, and, where some mesh is a solid, "pair_states" in frames of DCD.
     report: "all", "earliest_only" or "any_hit".
     backend: "auto", "cpu" or "cuda".
     device: id of the device that the scene is to live on, such as "cuda:1"; None: the daemon places it.
@@ -91,6 +93,11 @@ class SceneOptions:
                     choice(scene_pb2.PositionFormat, "POSITION_FORMAT_", self.position_format or _natural(layout),
                            "position_format"))
         return format_named(name, self.quantization_box)
+
+    @property
+    def has_all_fields(self) -> bool:
+        """Returns True if `fields` are FIELDS, the default."""
+        return set(self.fields) == set(FIELDS)
 
     def spec(self) -> scene_pb2.SceneSpec:
         """The spec without meshes, and without what depends on them."""

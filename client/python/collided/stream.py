@@ -14,6 +14,7 @@ from collided.contacts.answer import Answer
 from collided.contacts.checks import check_done, check_total
 from collided.contacts.columns import Part, read_chunk, read_limits
 from collided.contacts.contacts import Contacts
+from collided.contacts.pairs import read_pairs
 from collided.errors import (DataLoss, DeadlineExceeded, Error, FailedPrecondition, NotFound, ResourceExhausted, Unavailable,
                              Unimplemented, error_of_frame)
 from collided.frames.advance import read_advance
@@ -25,7 +26,7 @@ from collided.scene import Scene
 from collided.transport.base import NotSent, Transport
 from collided.transport.opening import StreamOptions, open_transport
 from collided.v1 import collision_service_pb2 as api
-from collided.v1 import frame_pb2
+from collided.v1 import contact_pb2, frame_pb2
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.02, 1.0
 _FIRST_ATTEMPT = 0.5  # seconds for a stream to be opened again, however short the caller's timeout is; it doubles
@@ -47,6 +48,7 @@ class _Pending:
     parts: list[Part] = field(default_factory=list)
     limits: list[Part] = field(default_factory=list)
     shortened: list[frame_pb2.ShortenedWays] = field(default_factory=list)
+    pairs: list[contact_pb2.MeshPairs] = field(default_factory=list)
     response: api.StreamFramesResponse | None = None
 
 
@@ -63,7 +65,7 @@ class Stream:
         self._transport: Transport | None = None
         self._pending: deque[_Pending] = deque()
         self._has_answered = False  # the current transport
-        self._kinds = {"contacts", "limits", "shortened", "done", "error"} | (
+        self._kinds = {"contacts", "limits", "shortened", "pairs", "done", "error"} | (
             {"skipped"} if options.delivery == _LATEST_WINS else set())
         self._unused: set[str] = set()  # options that were warned of
         self._failure: Error | None = None  # why no other one will be opened
@@ -279,6 +281,7 @@ class Stream:
         pending.parts.clear()
         pending.limits.clear()
         pending.shortened.clear()
+        pending.pairs.clear()
         request.updates, request.way = self._transport.send(pending.wire_id, request.head, request.updates), None
         if pending is self._pending[0]:
             self._track.foresee(request)
@@ -305,6 +308,9 @@ class Stream:
             return
         if kind == "shortened":
             pending.shortened.append(response.shortened)
+            return
+        if kind == "pairs":
+            pending.pairs.append(response.pairs)
             return
         if kind == "done":
             done = response.done
@@ -338,9 +344,11 @@ class Stream:
         check_total(done, pending.parts)
         self._warn_of_unused(done.metrics.unused_options)
         advance = read_advance(head, done, pending.shortened, self._track.layout_of(pending.request))
+        is_told = self._track.tells_pairs(head, self._scene.message.spec)
+        pairs = read_pairs(pending.pairs, done, self._track.layout_of(pending.request), is_told)
         way = self._track.apply(pending.request, advance, pending.wire_id)
         answer = Answer(pending.frame_id, pending.wire_id, done, way.layout, way, self._track.has_motion(head), advance=advance,
-                        limits=pending.limits)
+                        limits=pending.limits, pairs=pairs)
         return Contacts.of_parts(answer, pending.parts)
 
     def _warn_of_unused(self, options: Iterable[str]) -> None:
@@ -364,7 +372,7 @@ class Stream:
             if kind == "draining":
                 self._take(response)
                 continue
-            if response.frame_id != wire_id or kind not in ("contacts", "done", "error"):
+            if response.frame_id != wire_id or kind not in ("contacts", "pairs", "done", "error"):
                 raise DataLoss(f"the daemon answers frame {response.frame_id} with {kind!r} instead of frame {wire_id}")
             if kind == "error":
                 raise error_of_frame(response.error, wire_id)

@@ -3,9 +3,9 @@
 // fixed size on any backend, and of any size on the host (exact/rays.hpp).
 //
 // The ray crosses triangle a b c if, seen from +z, v passes the sides ab, bc and ca alike, and if v is below the plane
-// through a, b and c. Ties are broken as in orientation.hpp: each vertex moves by the same powers of e. So all rays and
-// crossings see one mesh, the moved one, and the crossings of a closed mesh add up to the winding number of the moved
-// vertex. Seen from +z, the area of points p0 p1 p2 in the order of ids is linear in each coordinate, too:
+// through a, b and c. Ties are broken as in orientation.hpp, where each vertex moves by the same powers of e. So all
+// rays and crossings see one moved mesh, and the ray's crossings with a closed mesh add up to the winding number of the
+// moved vertex. Seen from +z, the area of points p0 p1 p2 in the order of ids is linear in each coordinate, too:
 //
 //   number    derivative by     is
 //    1,  2    0x     0y         p1.y - p2.y    p2.x - p1.x

@@ -44,11 +44,12 @@ inline bool is_sharded(const SceneSpec& spec) { return !spec.part_devices.empty(
 /// Returns all devices that a scene is on, each once, in order.
 std::vector<Device> devices_of(const SceneSpec& spec);
 
-/// Contact fields that the client asked for.
+/// Fields of answers that the client asked for.
 struct OutputFields {
-  FieldSet columns;       ///< that the engine makes
-  bool stencils = false;  ///< made from the elements
-  bool worlds = false;    ///< of a set: made from where each world's contacts begin
+  FieldSet columns;          ///< that the engine makes
+  bool stencils = false;     ///< made from the elements
+  bool worlds = false;       ///< of a set: made from where each world's contacts begin
+  bool pair_states = false;  ///< of pairs of meshes, not of contacts
 
   /// Bytes of one contact's arrays.
   size_t contact_bytes() const { return collided::contact_bytes(columns) + made_bytes(); }

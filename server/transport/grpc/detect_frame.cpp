@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "proto/constants.hpp"
+#include "server/convert/mesh_pairs.hpp"
 #include "server/errors.hpp"
 #include "server/frames/answer.hpp"
 #include "server/frames/intake.hpp"
@@ -27,10 +28,11 @@ void check_no_stream(const Scene& scene) {
 
 void check_size(const AnsweredFrame& frame) {
   if (frame.cost.bytes_out <= kMaxArrayBytes) return;
-  throw LimitExceeded("frame",
-                      fmt::format("frame {} was applied, but its contacts, limits and shortened ways take {} bytes, "
-                                  "and one answer holds at most {}; use StreamFrames, which sends them in chunks",
-                                  frame.frame_id, frame.cost.bytes_out, kMaxArrayBytes));
+  throw LimitExceeded(
+      "frame",
+      fmt::format("frame {} was applied, but its contacts, pairs of meshes, limits and shortened ways "
+                  "take {} bytes, and one answer holds at most {}; use StreamFrames, which sends them in chunks",
+                  frame.frame_id, frame.cost.bytes_out, kMaxArrayBytes));
 }
 
 void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameResponse& response) {
@@ -46,6 +48,8 @@ void fill_answer(const Scene& scene, AnsweredFrame& frame, pb::DetectFrameRespon
   response.mutable_done()->mutable_limits()->Swap(last.mutable_limits());
   if (const ShortenedWays& ways = frame.result.shortened; !ways.ids.empty())
     fill_ways({ways.ids, ways.fractions}, response.mutable_done()->mutable_shortened());
+  if (const auto& pairs = frame.result.pair_states; !pairs.empty())
+    fill_pairs(pairs, response.mutable_done()->mutable_pairs());
 }
 
 // On the scene's worker thread. A refusal is counted and logged with the call, but that of a frame that was given up.

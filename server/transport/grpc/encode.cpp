@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "server/convert/mesh_pairs.hpp"
 #include "server/frames/answer.hpp"
 #include "server/frames/messages.hpp"
 
@@ -86,20 +87,22 @@ struct Place {
   int field = 0, field_of_done = 0;
 };
 constexpr Place kWays{pb::StreamFramesResponse::kShortenedFieldNumber, pb::FrameDone::kShortenedFieldNumber};
+constexpr Place kPairs{pb::StreamFramesResponse::kPairsFieldNumber, pb::FrameDone::kPairsFieldNumber};
 constexpr Place kLimits{pb::StreamFramesResponse::kLimitsFieldNumber, pb::FrameDone::kLimitsFieldNumber};
 constexpr Place kContacts{pb::StreamFramesResponse::kContactsFieldNumber, pb::FrameDone::kContactsFieldNumber};
 
-// A ContactChunk, or ShortenedWays, ready to be written.
+// A ContactChunk, ShortenedWays or MeshPairs, ready to be written.
 struct Piece {
   Place place = {};
   std::string facts = {};
+  size_t packed_bytes = 0;  ///< of arrays, in `facts`
   std::vector<ChunkArray> arrays = {};
   std::shared_ptr<const MadeArrays> made = {};
   size_t stored = 0;  ///< of the arrays; the others are made
   size_t size = 0;    ///< of the message
 
   size_t array_bytes() const {
-    return std::accumulate(arrays.begin(), arrays.end(), size_t{0},
+    return std::accumulate(arrays.begin(), arrays.end(), packed_bytes,
                            [](size_t sum, const ChunkArray& array) { return sum + array.bytes.size(); });
   }
 };
@@ -114,6 +117,14 @@ Piece make_piece(const WaysChunk& ways) {
   const auto arrays = ways.arrays();
   piece.arrays.assign(arrays.begin(), arrays.end());
   piece.stored = piece.arrays.size();
+  complete_size(piece);
+  return piece;
+}
+
+Piece make_piece(MeshPairStates pairs) {
+  pb::MeshPairs message;
+  fill_pairs(pairs, &message);
+  Piece piece{kPairs, message.SerializeAsString(), array_bytes(pairs)};
   complete_size(piece);
   return piece;
 }
@@ -182,6 +193,8 @@ std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_
     const Topology& topology = scene.engine().topology();
     for (const WaysChunk& ways : cut_into_chunks(frame->result.shortened, max_chunk_bytes))
       pieces.push_back(make_piece(ways));
+    for (const MeshPairStates pairs : cut_into_chunks(frame->result.pair_states, max_chunk_bytes))
+      pieces.push_back(make_piece(pairs));
     for (const Chunk& chunk : limits) pieces.push_back(make_piece(kLimits, chunk, topology));
     for (const Chunk& chunk : contacts) pieces.push_back(make_piece(kContacts, chunk, topology));
     std::vector<size_t> sizes;

@@ -23,9 +23,9 @@ struct EncodedMessage {
 /// Any message with a small payload except the end of an answer.
 EncodedMessage encode(const pb::StreamFramesResponse& response);
 
-/// Shortened ways, limits and contacts in chunks, then the end of the answer with the last of them: of shortened ways
-/// one chunk at most, since two never fit. Each message has at most `max_chunk_bytes` of arrays. Completes the cost of
-/// `frame`; the messages keep it alive as long as they refer to it.
+/// Shortened ways, pairs of meshes, limits and contacts in chunks, then the end of the answer with the last of them: of
+/// shortened ways and of pairs one chunk each at most, since two never fit. Each message has at most `max_chunk_bytes`
+/// of arrays. Completes the cost of `frame`; the messages keep it alive as long as they refer to it.
 std::vector<EncodedMessage> encode_answer(const Scene& scene, const std::shared_ptr<AnsweredFrame>& frame,
                                           size_t max_chunk_bytes);
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "proto/constants.hpp"
+#include "server/convert/mesh_pairs.hpp"
 #include "server/errors.hpp"
 #include "server/frames/answer.hpp"
 #include "server/frames/decode.hpp"
@@ -218,6 +219,7 @@ void InProcessStream::answered(const Scene& scene, const std::shared_ptr<Answere
   for (pb::ContactChunk& chunk : copied) *done.add_limits() = std::move(chunk);
   if (const ShortenedWays& ways = frame->result.shortened; !ways.ids.empty())
     fill_ways({ways.ids, ways.fractions}, done.mutable_shortened());
+  if (const auto& pairs = frame->result.pair_states; !pairs.empty()) fill_pairs(pairs, done.mutable_pairs());
   for (pb::ContactChunk& chunk : named) *done.add_contacts() = std::move(chunk);
   push(std::move(answer), frame->frame_id);
 }

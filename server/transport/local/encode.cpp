@@ -6,13 +6,14 @@
 #include <utility>
 
 #include "proto/constants.hpp"
+#include "server/convert/mesh_pairs.hpp"
 #include "server/frames/answer.hpp"
 #include "server/frames/messages.hpp"
 
 namespace collided::server {
 namespace {
 
-constexpr size_t kMaxArrays = 8;                   // of a chunk
+constexpr size_t kMaxArrays = 8;                   // of a chunk: DCD frames have no times, and sets no solids
 constexpr size_t kInlineBytes = size_t{48} << 10;  // of arrays in one packet
 constexpr size_t kNoCut = size_t{1} << 31;         // so that a chunk's count fits its field
 
@@ -68,9 +69,11 @@ void put_chunk(const Chunk& chunk, const Topology& topology, OutputPart& part, c
   }
 }
 
-// Moves a piece of the answer into its end. Of shortened ways there is one at most: a full one never fits.
+// Moves a piece of the answer into its end. Of shortened ways and of pairs of meshes there is one at most each: a full
+// one leaves no room for the next.
 void move_into(pb::FrameDone& done, pb::StreamFramesResponse& piece) {
   if (piece.has_shortened()) *done.mutable_shortened() = std::move(*piece.mutable_shortened());
+  if (piece.has_pairs()) *done.mutable_pairs() = std::move(*piece.mutable_pairs());
   if (piece.has_limits()) *done.add_limits() = std::move(*piece.mutable_limits());
   if (piece.has_contacts()) *done.add_contacts() = std::move(*piece.mutable_contacts());
 }
@@ -127,6 +130,8 @@ std::vector<std::string> AnswerWriter::write(const Scene& scene, AnsweredFrame& 
     const Topology& topology = scene.engine().topology();
     for (const WaysChunk& ways : cut_into_chunks(frame.result.shortened, kInlineBytes))
       fill_ways(ways, next_piece().mutable_shortened());
+    for (const MeshPairStates pairs : cut_into_chunks(frame.result.pair_states, kInlineBytes))
+      fill_pairs(pairs, next_piece().mutable_pairs());
     for (const Chunk& chunk : limits) fill_chunk(chunk, topology, next_piece().mutable_limits());
     for_each_kind(
         [&](ContactKind kind, const PlacedContacts& placed) {

@@ -119,11 +119,13 @@ class Run {
   std::map<std::string, std::vector<double>> stages_;
 };
 
-nlohmann::json measure(const SceneSpec& spec, uint64_t triangles, int warm_up, int frames) {
+/// `only`: the name of a variant; empty: all.
+nlohmann::json measure(const SceneSpec& spec, uint64_t triangles, const std::string& only, int warm_up, int frames) {
   const Case rest = two_balls(triangles);
   Case now = rest;
   std::vector<std::unique_ptr<Run>> runs;
-  for (const Variant& variant : kVariants) runs.push_back(std::make_unique<Run>(variant, rest, spec));
+  for (const Variant& variant : kVariants)
+    if (only.empty() || only == variant.name) runs.push_back(std::make_unique<Run>(variant, rest, spec));
   for (int frame = -warm_up; frame < frames; ++frame) {
     place(rest, now, frame);
     for (const auto& run : runs) run->step(now, frame >= 0);
@@ -139,7 +141,7 @@ nlohmann::json measure(const SceneSpec& spec, uint64_t triangles, int warm_up, i
 int main(int argc, char** argv) {
   using namespace collided;
   CLI::App app("Measures what questions about solids cost, as JSON, to standard output");
-  std::string backend = "cpu", date, commit, accuracy = "certified", scalar = "f32";
+  std::string backend = "cpu", date, commit, accuracy = "certified", scalar = "f32", only;
   uint64_t triangles = 100000;
   int frames = 30, warm_up = 20, threads = 0;
   app.add_option("--backend", backend, "cpu or cuda")->check(CLI::IsMember({"cpu", "cuda"}))->capture_default_str();
@@ -150,6 +152,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"certified", "exact"}))
       ->capture_default_str();
   app.add_option("--scalar", scalar, "f32 or f64")->check(CLI::IsMember({"f32", "f64"}))->capture_default_str();
+  app.add_option("--only", only, "One variant, such as \"states and depths\"");
   app.add_option("--frames", frames, "Frames of each scene")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--warm-up", warm_up, "Frames before these, which do not count")
       ->check(CLI::NonNegativeNumber)
@@ -167,7 +170,7 @@ int main(int argc, char** argv) {
   spec.scalar = scalar == "f64" ? Scalar::kF64 : Scalar::kF32;
   spec.threads = threads;
   spec.engine = Engine::kOctree;  // to compare engines takes time and memory of its own
-  const nlohmann::json runs = test::measure(spec, triangles, warm_up, frames);
+  const nlohmann::json runs = test::measure(spec, triangles, only, warm_up, frames);
   const nlohmann::json out{{"format", "collided solids 1"},
                            {"date", date},
                            {"commit", commit},

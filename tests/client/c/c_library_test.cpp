@@ -28,6 +28,7 @@ void compare(const PerKind<ContactSet>& expected, int32_t kind, const collided_c
   const ContactSet& set = kind == COLLIDED_VERTEX_TRIANGLE ? expected.vertex_triangle
                           : kind == COLLIDED_EDGE_EDGE     ? expected.edge_edge
                           : kind == COLLIDED_EDGE_TRIANGLE ? expected.edge_triangle
+                          : kind == COLLIDED_VERTEX_SOLID  ? expected.vertex_solid
                                                            : expected.triangle_triangle;
   ASSERT_EQ(contacts->count, set.size());
   judge.contacts += contacts->count;
@@ -38,10 +39,12 @@ void compare(const PerKind<ContactSet>& expected, int32_t kind, const collided_c
   expect_same(contacts->normals, set.normals, judge);
   expect_same(contacts->flags, set.flags, judge);
   expect_same(contacts->features, set.features, judge);
-  ASSERT_EQ(contacts->stencils == nullptr, contacts->count == 0 || kind >= COLLIDED_TRIANGLE_TRIANGLE);
+  expect_same(contacts->signed_distance, set.signed_distance, judge);
+  const bool has_vertex = kind == COLLIDED_VERTEX_TRIANGLE || kind == COLLIDED_VERTEX_SOLID;
+  ASSERT_EQ(contacts->stencils == nullptr, contacts->count == 0 || (!has_vertex && kind != COLLIDED_EDGE_EDGE));
   for (uint64_t i = 0; contacts->stencils != nullptr && i < contacts->count; ++i) {
     const uint32_t *s = contacts->stencils + 4 * i, *e = contacts->elements + 2 * i;
-    if (kind == COLLIDED_VERTEX_TRIANGLE) {
+    if (has_vertex) {
       EXPECT_EQ(s[0], e[0]);
       EXPECT_EQ((std::array{s[1], s[2], s[3]}), judge.topology.triangles[e[1]]);
     } else {
@@ -97,7 +100,8 @@ TEST_F(CLibrary, HasTheVersionOfItsHeader) {
 
 // Programs that are compiled already have these numbers.
 TEST_F(CLibrary, StructuresKeepTheirLayout) {
-  EXPECT_EQ(sizeof(collided_mesh), 96u);
+  EXPECT_EQ(sizeof(collided_mesh), 104u);
+  EXPECT_EQ(offsetof(collided_mesh, solid), 96u);
   EXPECT_EQ(offsetof(collided_mesh, half_thickness), 88u);
   EXPECT_EQ(offsetof(collided_mesh, vertex_count), 56u);
   EXPECT_EQ(sizeof(collided_scene_spec), 144u);
@@ -110,10 +114,16 @@ TEST_F(CLibrary, StructuresKeepTheirLayout) {
   EXPECT_EQ(offsetof(collided_frame, room_bytes), 96u);
   EXPECT_EQ(offsetof(collided_frame, advance_mode), 104u);
   EXPECT_EQ(offsetof(collided_frame, limits), 108u);
-  EXPECT_EQ(sizeof(collided_contacts), 80u);
+  EXPECT_EQ(sizeof(collided_contacts), 88u);
+  EXPECT_EQ(offsetof(collided_contacts, signed_distance), 80u);
   EXPECT_EQ(offsetof(collided_contacts, flags), 64u);
   EXPECT_EQ(offsetof(collided_contacts, features), 72u);
-  EXPECT_EQ(sizeof(collided_facts), 240u);
+  EXPECT_EQ(sizeof(collided_facts), 264u);
+  EXPECT_EQ(offsetof(collided_facts, vertex_solid_contacts), 240u);
+  EXPECT_EQ(offsetof(collided_facts, mesh_pair_count), 248u);
+  EXPECT_EQ(offsetof(collided_facts, inside_out), 256u);
+  EXPECT_EQ(sizeof(collided_mesh_pair), 40u);
+  EXPECT_EQ(offsetof(collided_mesh_pair, depth), 32u);
   EXPECT_EQ(offsetof(collided_facts, edge_triangle_contacts), 232u);
   EXPECT_EQ(offsetof(collided_facts, contacts), 176u);
   EXPECT_EQ(offsetof(collided_facts, way), 200u);
@@ -213,7 +223,7 @@ TEST_F(CLibrary, LimitsAreTheEnginesWithAllColumns) {
   FrameInput input = scene.engine_frame(1);
   input.advance = input.limits = true;
   const FrameResult expected = engine->detect(input);
-  for (int32_t kind = COLLIDED_VERTEX_TRIANGLE; kind <= COLLIDED_EDGE_TRIANGLE; ++kind) {
+  for (int32_t kind = COLLIDED_VERTEX_TRIANGLE; kind <= COLLIDED_VERTEX_SOLID; ++kind) {
     collided_contacts limits = {};
     limits.struct_size = sizeof(limits);
     ASSERT_EQ(collided_result_limits(result, kind, &limits), COLLIDED_OK) << collided_error_message();
@@ -225,7 +235,7 @@ TEST_F(CLibrary, LimitsAreTheEnginesWithAllColumns) {
   EXPECT_EQ(judge.columns, 12u) << "six of vertex-triangle and six of edge-edge pairs";
   collided_contacts limits = {};
   limits.struct_size = sizeof(limits);
-  EXPECT_EQ(collided_result_limits(result, 5, &limits), COLLIDED_INVALID_ARGUMENT);
+  EXPECT_EQ(collided_result_limits(result, 6, &limits), COLLIDED_INVALID_ARGUMENT);
   EXPECT_STREQ(collided_error_field(), "kind");
   collided_result_free(first);
   collided_result_free(result);
@@ -302,7 +312,8 @@ TEST_F(CLibrary, FieldsThatAreNotAskedForAreNull) {
   EXPECT_NE(contacts.toi, nullptr);
   for (const void* column : {static_cast<const void*>(contacts.elements), static_cast<const void*>(contacts.stencils),
                              static_cast<const void*>(contacts.distance), static_cast<const void*>(contacts.flags),
-                             static_cast<const void*>(contacts.normals), static_cast<const void*>(contacts.features)})
+                             static_cast<const void*>(contacts.normals), static_cast<const void*>(contacts.features),
+                             static_cast<const void*>(contacts.signed_distance)})
     EXPECT_EQ(column, nullptr);
   collided_result_free(first);
   collided_result_free(result);
@@ -333,6 +344,7 @@ void expect_part(const collided_contacts& some, const collided_contacts& all, ui
   same(some.normals, all.normals, 3);
   same(some.flags, all.flags, 1);
   same(some.features, all.features, 1);
+  same(some.signed_distance, all.signed_distance, 1);
 }
 
 TEST_F(CLibrary, ContactsStayInTheRoomAndThoseThatDoNotFitComeToTheHost) {

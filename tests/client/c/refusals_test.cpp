@@ -44,6 +44,9 @@ TEST(CLibraryRefusals, SpecsWithTheirField) {
       {"meshes[0].half_thickness", [](auto&, auto* m) { m[0].half_thickness = kNan; }},
       {"meshes[0].half_thickness", [](auto&, auto* m) { m[0].half_thickness = kInfinity; }},
       {"meshes[0].half_thickness", [](auto&, auto* m) { m[0].half_thickness = 1e300; }},
+      {"meshes[0].solid", [](auto&, auto* m) { m[0].solid = 1; }},
+      {"vertex_solid", [](auto& s, auto*) { s.mode = COLLIDED_DCD, s.kinds = COLLIDED_KINDS_VERTEX_SOLID; }},
+      {"pair_states", [](auto& s, auto*) { s.mode = COLLIDED_DCD, s.fields = COLLIDED_FIELDS_PAIR_STATES; }},
       {"excluded_meshes", [](auto& s, auto*) { s.excluded_mesh_count = 1; }},
       {"excluded_meshes[0]", [&](auto& s, auto*) { s.excluded_meshes = pair, s.excluded_mesh_count = 1; }},
       {"device", [](auto& s, auto*) { s.device = "tpu"; }},
@@ -55,8 +58,8 @@ TEST(CLibraryRefusals, SpecsWithTheirField) {
       {"position_format", [](auto& s, auto*) { s.position_format = 99; }},
       {"broad_phase_engine", [](auto& s, auto*) { s.broad_phase_engine = 9; }},
       {"reuse", [](auto& s, auto*) { s.reuse = 3; }},
-      {"kinds", [](auto& s, auto*) { s.kinds = 16; }},
-      {"fields", [](auto& s, auto*) { s.fields = 256; }},
+      {"kinds", [](auto& s, auto*) { s.kinds = 32; }},
+      {"fields", [](auto& s, auto*) { s.fields = 1024; }},
       {"thickness", [](auto& s, auto*) { s.thickness = kNan; }},
       {"thickness", [](auto& s, auto*) { s.thickness = -1; }},
       {"delta", [](auto& s, auto*) { s.delta = kInfinity; }},
@@ -188,6 +191,7 @@ TEST(CLibraryRefusals, NullPointersEverywhere) {
                                      collided_result_contacts(nullptr, 1, nullptr),
                                      collided_result_contacts_in_room(nullptr, 1, nullptr),
                                      collided_result_facts(nullptr, nullptr),
+                                     collided_result_mesh_pair(nullptr, 0, nullptr),
                                      collided_result_stage(nullptr, 0, nullptr, nullptr),
                                      collided_result_unused_option(nullptr, 0, nullptr)};
   for (const collided_status status : refused) EXPECT_EQ(status, COLLIDED_INVALID_ARGUMENT);

@@ -10,7 +10,7 @@ collided_status run_frames(const collided_scene_spec* spec, const collided_frame
     collided_result* result = NULL;
     int32_t kind;
     status = collided_detect(scene, &frames[i], &result);
-    for (kind = COLLIDED_VERTEX_TRIANGLE; kind <= COLLIDED_EDGE_TRIANGLE && status == COLLIDED_OK; ++kind) {
+    for (kind = COLLIDED_VERTEX_TRIANGLE; kind <= COLLIDED_VERTEX_SOLID && status == COLLIDED_OK; ++kind) {
       collided_contacts contacts = {.struct_size = sizeof contacts};
       status = collided_result_contacts(result, kind, &contacts);
       if (status == COLLIDED_OK) take(context, i, kind, &contacts);

@@ -82,7 +82,7 @@ class Scene {
     spec.position_format = of.format;
     spec.thickness = of.thickness;
     spec.kinds = of.kinds;
-    spec.fields = 255;
+    spec.fields = 511;
     if (of.kinds == COLLIDED_KINDS_TRIANGLE_TRIANGLE) spec.fields = COLLIDED_FIELDS_ELEMENTS | COLLIDED_FIELDS_FLAGS;
     spec.quantized_in = of.format == COLLIDED_Q16 ? kBox : nullptr;
     for (size_t i = 0; i < kFrames; ++i) add_frame(i);
@@ -107,10 +107,12 @@ class Scene {
     const auto has = [&](uint32_t kind) { return (of_.kinds & kind) != 0; };
     if (of_.kinds != 0)
       out.kinds = {has(COLLIDED_KINDS_VERTEX_TRIANGLE), has(COLLIDED_KINDS_EDGE_EDGE),
-                   has(COLLIDED_KINDS_TRIANGLE_TRIANGLE), has(COLLIDED_KINDS_EDGE_TRIANGLE)};
+                   has(COLLIDED_KINDS_TRIANGLE_TRIANGLE), has(COLLIDED_KINDS_EDGE_TRIANGLE),
+                   has(COLLIDED_KINDS_VERTEX_SOLID)};
     if (of_.kinds != COLLIDED_KINDS_TRIANGLE_TRIANGLE)
-      out.fields = {ContactField::kElements, ContactField::kToi,   ContactField::kDistance, ContactField::kWeights,
-                    ContactField::kNormals,  ContactField::kFlags, ContactField::kFeatures};
+      out.fields = {ContactField::kElements, ContactField::kToi,           ContactField::kDistance,
+                    ContactField::kWeights,  ContactField::kNormals,       ContactField::kFlags,
+                    ContactField::kFeatures, ContactField::kSignedDistance};
     if (of_.format == COLLIDED_Q16) out.quantized_in = PositionBox{{-1, -1, -1}, {2, 2, 2}};
     MeshSpec mesh;
     mesh.vertex_count = kSide * kSide;

@@ -12,14 +12,7 @@ import re
 import xml.etree.ElementTree
 
 import support
-from support import ONE_CPU, FRAME0
-
-
-def cube(x, size=2, y=0):
-    """An OBJ file's text: a cube of quads whose lower corner is at (x, y, y)."""
-    corners = [(x + size * (i & 1), y + size * (i >> 1 & 1), y + size * (i >> 2)) for i in range(8)]
-    faces = ("1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6")
-    return "".join("v {} {} {}\n".format(*corner) for corner in corners) + "".join(f"f {face}\n" for face in faces)
+from support import ONE_CPU, FRAME0, cube
 
 
 class Meshes(support.CollidectlTest):
@@ -91,6 +84,43 @@ class Meshes(support.CollidectlTest):
         text = self.found(self.put("shell.obj", cube(0, 9)), self.put("core.obj", cube(1, 1, 1)))["found"]
         self.assertIn("shell and core do not touch; ", text)
         self.assertIn("meshes are surfaces", text)
+
+    def test_solids_are_inside_overlap_touch_or_are_apart(self):
+        shell, inside, across, beside, apart = (self.put(name, cube(*where)) for name, where in (
+            ("shell.obj", (0, 8)), ("inside.obj", (1, 2, 3.5)), ("across.obj", (7.5, 1, 3)), ("beside.obj", (8, 1, 3)), ("apart.obj", (9, 1, 3))))
+        out, vtp, ply = (os.path.join(self.folder.name, "c." + ending) for ending in ("csv", "vtp", "ply"))
+        found = self.found("--solid", shell, inside, "--out", out, "--vtp", vtp, "--ply", ply)
+        self.assertEqual(found["found"], "inside is inside shell: 8 contacts (8 vertex-solid)\n  8 vertices of inside inside shell; the "
+                                         "deepest, vertex 1 of inside, is 3 below the surface; out along (-1, 0, 0)")
+        (pair,) = found["touching"]
+        self.assertEqual((pair["state"], pair["inside_count"]), ("second_inside", [0, 8]))
+        self.assertEqual(pair["deepest"], {"mesh": "inside", "vertex": 1, "depth": 3, "direction": [-1, 0, 0]})
+        self.assertEqual((found["scene"]["solids"], found["scene"]["kinds"][-1]), (["shell", "inside"], "vs"))
+        self.assertEqual((found["counts"]["contacts_vertex_solid"], found["counts"]["inside_out"]), (8, 0))
+        rows = self.rows(out)
+        self.assertEqual([(row["kind"], float(row["distance"]), row["signed_distance"]) for row in rows],
+                         [("vs", depth, "") for depth in (-1, -3, -1, -2.5, -1, -2.5, -1, -2.5)])
+        self.assertEqual([row["point_a_x"] for row in rows], ["1", "3"] * 4)
+        (array,) = [a for a in xml.etree.ElementTree.parse(vtp).iter("DataArray") if a.get("Name") == "kind"]
+        self.assertEqual(array.text.split(), ["5"] * 8)
+        with open(ply, encoding="ascii") as file:
+            self.assertIn("property double signed_distance\n", file.read())
+        (pair,) = self.found("--solid", shell, across)["touching"]
+        self.assertEqual((pair["state"], pair["inside_count"], pair["deepest"]["depth"]), ("overlapping", [0, 4], 0.5))
+        (pair,) = self.found("--solid", shell, beside)["touching"]
+        self.assertEqual((pair["state"], pair["inside_count"], pair["deepest"]), ("touching", [0, 0], None))
+        self.assertEqual(self.found("--solid", shell, beside, "--kinds", "vs")["found"], "shell and beside touch")
+        self.assertEqual(self.found("--solid", shell, apart)["found"], "shell and apart do not touch")
+        self.assertRegex(self.found("--solid", shell, inside, apart)["found"], r"^inside is inside shell: .*\n.*\nthe other 2 pairs do not touch$")
+
+    def test_solids_are_closed_and_those_that_are_named(self):
+        shell, core, flat = self.put("shell.obj", cube(0, 9)), self.put("core.obj", cube(1, 1, 1)), self.put("flat.obj", support.FRAME0)
+        self.refused(1, "spec.meshes[1].solid", "detect", "--solid", shell, flat, *ONE_CPU)
+        self.refused(2, "--solid: the scene has no mesh 'bell'; there are shell, core", "detect", "--solid=bell", shell, core, *ONE_CPU)
+        found = self.found("--solid=shell", shell, core, flat)
+        self.assertEqual((found["scene"]["solids"], found["touching"][0]["state"]), (["shell"], "second_inside"))
+        self.assertEqual(self.found("--solid=core", shell, core)["touching"], [])
+        self.refused(1, "spec.meshes[0].solid", "detect", "--solid", shell, core, *ONE_CPU, "--part-devices", "cpu:0,cpu:0")
 
     def test_frames_follow_their_option_or_are_in_a_folder(self):
         folder = os.path.join(self.folder.name, "frames")
@@ -573,7 +603,7 @@ class Detect(support.CollidectlTest):
         (array,) = [a for a in xml.etree.ElementTree.parse(vtp).iter("DataArray") if a.get("Name") == "features"]
         self.assertEqual(array.text.split(), [str(byte) for byte in (2, 3 + 64, 4 + 64, 4 + 64)])
         with open(ply, encoding="ascii") as file:
-            self.assertEqual([line.split()[-1] for line in file.read().split("end_header\n")[1].splitlines()], array.text.split())
+            self.assertEqual([line.split()[-2] for line in file.read().split("end_header\n")[1].splitlines()], array.text.split())
         kept = json.loads(self.ok(*words, *files, "--kept"))
         self.assertEqual((kept["contact_count"], kept["covered_count"], kept["touching"][0]["contact_count"]), (4, 3, 1))
         self.assertRegex(kept["found"], r": 1 contact \(1 vertex-triangle\)$")

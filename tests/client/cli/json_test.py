@@ -55,6 +55,8 @@ class JsonKeys(json_keys.KeyChecks, support.CollidectlTest):
         self.read("detect", *frames, self.put("repeated.obj", support.FRAME0 + "f 1 1 2\n"), *ONE_CPU)
         self.read("detect", self.put("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), *ONE_CPU)
         self.read("detect", *frames, "--thickness", "1", "--kept", *ONE_CPU)
+        shell, core = (self.put(name, support.cube(*where)) for name, where in (("shell.obj", (0, 9)), ("core.obj", (1, 1, 1))))
+        self.read("detect", "--solid", shell, core, *ONE_CPU)
         results = os.path.join(self.folder.name, "results")
         self.read("batch", self.put("pairs.csv", "a.obj,b.obj\n"), *ONE_CPU, "--out", results)
         self.read("merge", results, "--out", os.path.join(self.folder.name, "pairs"))

@@ -17,6 +17,13 @@ FRAME0 = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 1\nv 1.5 1 3\nv 1 1.5 3\nf 1 2 3\nf 4
 FRAME1 = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 -1\nv 1.5 1 1\nv 1 1.5 1\nf 1 2 3\nf 4 5 6\n"
 
 
+def cube(x, size=2, y=0):
+    """An OBJ file's text: a cube of quads whose lower corner is at (x, y, y)."""
+    corners = [(x + size * (i & 1), y + size * (i >> 1 & 1), y + size * (i >> 2)) for i in range(8)]
+    faces = ("1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6")
+    return "".join("v {} {} {}\n".format(*corner) for corner in corners) + "".join(f"f {face}\n" for face in faces)
+
+
 def ctl(*words, cwd=None, **environment):
     env = {**os.environ, "COLLIDED_DAEMON": DAEMON, **environment}
     return subprocess.run([COLLIDECTL, *words], capture_output=True, text=True, env=env, cwd=cwd, timeout=240)

@@ -50,6 +50,9 @@ class Usage(support.CollidectlTest):
         self.refused(2, "--report earliest needs", *ccd, "--report", "earliest", "--accuracy", "fast")
         self.refused(2, "--report any needs", *stream, "--report", "any", "--accuracy", "candidates")
         self.refused(2, "--kinds tt needs", *stream, "--kinds", "vt,tt")
+        self.refused(2, "--kinds vs needs --solid", *dcd, "--kinds", "vt,vs")
+        for words in (ccd, stream, [*dcd, "--accuracy", "candidates"]):
+            self.refused(2, "--solid needs --mode dcd and --accuracy fast", *words, "--solid")
         for words in (ccd, [*ccd, "--accuracy", "candidates"], [*dcd, "--accuracy", "candidates"]):
             self.refused(2, "--kinds et needs --mode dcd and --accuracy fast", *words, "--kinds", "vt,et")
         for words in (ccd, [*dcd, "--accuracy", "candidates"], [*dcd, "--report", "any"], [*dcd, "--kinds", "vt"],

@@ -331,12 +331,31 @@ TEST_F(FrameAnswers, HaveLimitsOnlyWhereTheFrameAsksForThemAndAllOfEach) {
   expect_lost("weights", asks);
   limits[0].clear_weights();
   expect_lost("limits has no CONTACT_FIELD_WEIGHTS; it must have all fields", asks);
+  for (const auto kind :
+       {v1::CONTACT_KIND_TRIANGLE_TRIANGLE, v1::CONTACT_KIND_EDGE_TRIANGLE, v1::CONTACT_KIND_VERTEX_SOLID}) {
+    limits = {limits_of({3})};
+    limits[0].set_kind(kind);
+    expect_lost("limits.kind is " + v1::ContactKind_Name(kind) + ", which limits no way", asks);
+  }
   limits = {limits_of({7})};
   expect_lost("names 7; the scene has 7 vertices", asks);
   limits = {};
   *done.add_limits() = limits_of({3});
   expect_lost("limits of a frame that does not ask for them", {.advance = true});
   EXPECT_EQ(taken(asks).limits.vertex_triangle.count, 1u);
+}
+
+TEST_F(FrameAnswers, HavePairsOfMeshesOfTheLastMessage) {
+  v1::MeshPairs& pairs = *done.mutable_pairs();
+  pairs.set_meshes(packed(std::vector<uint32_t>{0, 1})), pairs.set_states("\2");
+  pairs.set_inside(packed(std::vector<uint32_t>{3, 0})), pairs.set_deepest(packed(std::vector<uint32_t>{1}));
+  pairs.set_depths(packed(std::vector<double>{0.5}));
+  const FrameOutput output = taken({.advance = true});
+  ASSERT_EQ(output.pairs.size(), 1u);
+  EXPECT_EQ(output.pairs[0].state, v1::MESH_PAIR_STATE_OVERLAPPING);
+  EXPECT_FALSE(output.done.has_pairs());
+  pairs.set_meshes(packed(std::vector<uint32_t>{0, 2}));
+  expect_lost("pairs.meshes has 2; it must be below 2", {.advance = true});
 }
 
 TEST_F(FrameAnswers, AreJoinedFromAllMessages) {

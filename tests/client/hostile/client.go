@@ -14,6 +14,7 @@ import (
 	"time"
 
 	collided "collided.invalid/client/go"
+	v1 "collided.invalid/client/go/v1"
 )
 
 var (
@@ -25,7 +26,8 @@ var (
 	updates   = []collided.Update{{Mesh: 0, Positions: floor}, {Mesh: 1, Positions: tip}}
 	ctx       = context.Background()
 	scenarios = map[string]func(*collided.Client) error{
-		"stream": stream, "advance": advance, "limits": limits, "session": session, "call": call, "watch": watch, "mesh": mesh, "list": list}
+		"stream": stream, "advance": advance, "limits": limits, "pairs": pairs, "session": session, "call": call, "watch": watch,
+		"mesh": mesh, "list": list}
 )
 
 func spec() *collided.SceneSpec {
@@ -116,6 +118,29 @@ func limits(client *collided.Client) error {
 	}
 	vertices, edges := output.Limits.VertexTriangle, output.Limits.EdgeEdge
 	if has := fmt.Sprint(vertices.Elements, vertices.TOI, edges.Elements, edges.TOI); has != "[[3 0]] [0.5] [[0 3]] [0.75]" {
+		return errors.New(has)
+	}
+	return stream.Finish(ctx)
+}
+
+func pairs(client *collided.Client) error {
+	asked := spec()
+	asked.Mode, asked.Fields = collided.DCD, []v1.ContactField{collided.FieldPairStates}
+	scene, err := client.CreateScene(ctx, asked, meshes, 0)
+	if err != nil {
+		return err
+	}
+	stream, err := client.Stream(ctx, scene, collided.StreamOptions{})
+	if err != nil {
+		return err
+	}
+	defer stream.Close()
+	output, err := stream.Detect(ctx, collided.Frame{Updates: updates})
+	if err != nil {
+		return err
+	}
+	has := fmt.Sprint(output.Pairs, output.VertexSolid.Distance, output.VertexTriangle.SignedDistances)
+	if has != "[{0 1 MESH_PAIR_STATE_OVERLAPPING 0 1 3 0.25}] [-0.25] [-0.25]" {
 		return errors.New(has)
 	}
 	return stream.Finish(ctx)

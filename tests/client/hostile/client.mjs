@@ -9,7 +9,7 @@ import { pathToFileURL } from "node:url";
 const [, , folder, limit] = process.argv;
 const SECONDS = Number(limit);
 const PACKAGE = pathToFileURL(join(folder, "dist", "src", "index.js")).href;
-const { AdvanceMode, Code, CollidedError, DetectionMode, connect, fractionsOf, moveAlong } = await import(PACKAGE);
+const { AdvanceMode, Code, CollidedError, ContactField, DetectionMode, connect, fractionsOf, moveAlong } = await import(PACKAGE);
 
 const ONE = Uint32Array.of(0, 1, 2);
 const INPUT = {
@@ -67,6 +67,18 @@ const SCENARIOS = {
       const { limits } = await stream.detect({ ...FRAME, advance: true, limits: true });
       const has = JSON.stringify([limits.vertexTriangle, limits.edgeEdge].map(({ elements, toi }) => [...elements, ...toi]));
       if (has !== "[[3,0,0.5],[0,3,0.75]]") throw new Error(has);
+      await stream.finish();
+    } finally {
+      stream.cancel();
+    }
+  },
+  async pairs(client) {
+    const input = { ...INPUT, mode: DetectionMode.DCD, fields: [ContactField.PAIR_STATES] };
+    const stream = await client.stream(await client.createScene(input));
+    try {
+      const { pairs, vertexSolid, vertexTriangle } = await stream.detect(FRAME);
+      const has = JSON.stringify([pairs.map(Object.values), [...vertexSolid.distance], [...vertexTriangle.signedDistances]]);
+      if (has !== "[[[0,1,2,0,1,3,0.25]],[-0.25],[-0.25]]") throw new Error(has);
       await stream.finish();
     } finally {
       stream.cancel();

@@ -50,6 +50,14 @@ def limits(client):
         assert (limits.elements.tolist(), limits.toi.tolist(), limits.meshes.tolist()) == ([[3, 0], [0, 3]], [0.5, 0.75], [[1, 0], [0, 1]])
 
 
+def pairs(client):
+    with collided.Session(meshes(), server=client, transport="grpc", reconnect_seconds=SECONDS, mode="dcd", fields=["pair_states"]) as session:
+        contacts = session.step({"floor": FLOOR, "tip": TIP})
+        assert list(contacts.pairs) == [("floor", "tip", collided.PairState.OVERLAPPING, (0, 1), 3, 0.25)], contacts.pairs
+        assert (contacts.vs.distance.tolist(), contacts.vs.meshes.tolist()) == ([-0.25], [[1, 0]])
+        assert contacts.vt.signed_distances.tolist() == [-0.25]
+
+
 def timeouts(client):
     """The last error, if none took much longer than the call's timeout, which is far below the client's deadline."""
     client = collided.Client(client.address, token=client.options.token)
@@ -84,7 +92,7 @@ def mesh(client):
     client.get_mesh(scene.scene_id, 0)
 
 
-SCENARIOS = {"stream": stream, "advance": advance, "limits": limits, "call": lambda client: stream(client, "calls"), "watch": watch,
+SCENARIOS = {"stream": stream, "advance": advance, "limits": limits, "pairs": pairs, "call": lambda client: stream(client, "calls"), "watch": watch,
              "timeouts": timeouts, "set": batch, "local": lambda client: stream(client, "shared_memory"), "mesh": mesh,
              "list": lambda client: client.scenes()}
 

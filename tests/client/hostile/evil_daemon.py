@@ -40,6 +40,18 @@ def edge_hit(**changes):
     return hit(**changes)
 
 
+def solid_hit(**changes):
+    """Vertex 3 inside the floor, as if that were a solid, as a chunk of one."""
+    return hit(**{"kind": contact_pb2.CONTACT_KIND_VERTEX_SOLID, "toi": b"", "distance": unpacked(1, -0.25, kind="d"), **changes})
+
+
+def mesh_pairs(**changes):
+    """The floor and the tip, with the vertex 3 inside the floor."""
+    return contact_pb2.MeshPairs(**{"meshes": unpacked(2, 0, 1), "states": bytes([contact_pb2.MESH_PAIR_STATE_OVERLAPPING]),
+                                    "inside": unpacked(2, 0, 1), "deepest": unpacked(1, 3), "depths": unpacked(1, 0.25, kind="d"),
+                                    **changes})
+
+
 def answer(frame_id, chunk=None, **changes):
     done = frame_pb2.FrameDone(**{"contact_count": 1, "earliest_toi": 0.5, "any_contact": True, **changes})
     done.contacts.append(chunk or hit())
@@ -549,6 +561,11 @@ class LimitsOfTriangles(OfLimits):
     limits = (hit(), edge_hit(kind=contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, elements=unpacked(2, 0, 1)))
 
 
+class LimitsOfSolids(OfLimits):
+    says = "limits.kind"
+    limits = (hit(), solid_hit())
+
+
 class LimitsOfUnknownKind(OfLimits):
     says = "limits.kind"
     limits = (hit(kind=77), edge_hit())
@@ -572,6 +589,105 @@ class LimitsAtATimeThatIsNone(OfLimits):
 class LimitsAtADistanceThatIsNone(OfLimits):
     says = "limits.distance"
     limits = (hit(distance=unpacked(1, -1.0, kind="d")), edge_hit())
+
+
+# States of pairs of meshes, and vertices in solids.
+
+
+class OfPairs(Honest):
+    """Answers a frame with a vertex in a solid. pairs: in a message of their own. last: in `done`. sign: of the contact's distance, 0.25."""
+
+    scenarios, expected = ("pairs",), {LOST}
+    pairs, last, solid, sign = mesh_pairs(), None, solid_hit(), -0.25
+
+    def info(self, info):
+        info.features.append("collided.v1.CONTACT_FIELD_PAIR_STATES")
+        return info
+
+    def frame(self, frame_id):
+        yield api.StreamFramesResponse(frame_id=frame_id, pairs=self.pairs)
+        near = hit(toi=b"", distance=unpacked(1, 0.25, kind="d"), signed_distances=unpacked(1, self.sign, kind="d"))
+        yield answer(frame_id, self.solid, contact_count=2, contacts=[near], pairs=self.last)
+
+
+class HonestPairs(OfPairs):
+    expected = {"ok"}
+
+
+class PairsInTheEnd(HonestPairs):
+    pairs, last = contact_pb2.MeshPairs(), mesh_pairs()
+
+
+class PairsOfAnOlderDaemon(OfPairs):
+    expected, says = {"UNIMPLEMENTED"}, "CONTACT_FIELD_PAIR_STATES"
+
+    def info(self, info):
+        return info
+
+
+class PairsTwice(OfPairs):
+    says = "pairs.meshes"
+    last = mesh_pairs()
+
+
+class PairsOfOneMesh(OfPairs):
+    says = "pairs.meshes"
+    pairs = mesh_pairs(meshes=unpacked(2, 1, 1))
+
+
+class PairsOfUnknownMesh(OfPairs):
+    says = "pairs.meshes"
+    pairs = mesh_pairs(meshes=unpacked(2, 0, 2))
+
+
+class PairsOfShortMeshes(OfPairs):
+    says = "pairs.meshes"
+    pairs = mesh_pairs(meshes=bytes(7))
+
+
+class PairsOfManyStates(OfPairs):
+    says = "pairs."
+    pairs = mesh_pairs(states=bytes(9))
+
+
+class PairsOfUnknownState(OfPairs):
+    says = "pairs.states"
+    pairs = mesh_pairs(states=b"\5")
+
+
+class PairsOfNoState(OfPairs):
+    says = "pairs.states"
+    pairs = mesh_pairs(states=b"\0")
+
+
+class PairsOfUnknownVertex(OfPairs):
+    says = "pairs.deepest"
+    pairs = mesh_pairs(deepest=unpacked(1, 6))
+
+
+class PairsWithoutTheDeepest(OfPairs):
+    says = "pairs.deepest"
+    pairs = mesh_pairs(deepest=unpacked(1, MOST))
+
+
+class PairsOfADepthThatIsNone(OfPairs):
+    says = "pairs.depths"
+    pairs = mesh_pairs(depths=unpacked(1, float("nan"), kind="d"))
+
+
+class DepthOutside(OfPairs):
+    says = "contacts.distance"
+    solid = solid_hit(distance=bytes(8))
+
+
+class DepthOfUnknownVertex(OfPairs):
+    says = "contacts.elements"
+    solid = solid_hit(elements=unpacked(2, 6, 0))
+
+
+class SignOfAnotherDistance(OfPairs):
+    says = "contacts.signed_distances"
+    sign = 0.5
 
 
 # Pages.

@@ -53,10 +53,10 @@ def skip(why):
     sys.exit(77)
 
 
-SCENARIOS = {"python": {"stream", "advance", "limits", "call", "watch", "mesh", "list", "set", "local", "timeouts"},
+SCENARIOS = {"python": {"stream", "advance", "limits", "pairs", "call", "watch", "mesh", "list", "set", "local", "timeouts"},
              "cpp": {"stream", "session", "large", "limits", "watch", "mesh", "list", "set", "local"},
-             "go": {"stream", "advance", "limits", "session", "call", "watch", "mesh", "list"},
-             "node": {"stream", "advance", "limits", "session", "call", "watch", "mesh", "list"}}[LANGUAGE]
+             "go": {"stream", "advance", "limits", "pairs", "session", "call", "watch", "mesh", "list"},
+             "node": {"stream", "advance", "limits", "pairs", "session", "call", "watch", "mesh", "list"}}[LANGUAGE]
 
 
 class Hostile(unittest.TestCase):

@@ -20,6 +20,15 @@ PRINTED = {
                     "60 kept: [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]], [0.005] m apart\n"
                     + "".join(f"vertex {vertex} above triangle {triangle}: face\n"
                               for vertex, triangle in ((289, 324), (291, 388), (293, 328), (295, 392))),
+    "box_in_box": "4.5 m: apart\n"
+                  "  4 m: 'room' and 'box' touch\n"
+                  "3.5 m: 'room' and 'box' overlap, 0 and 4 vertices inside, 0.5 deep\n"
+                  "       vertex 8 comes out along [0. 0. 1.]\n"
+                  "  3 m: 'room' and 'box' overlap, 0 and 4 vertices inside, 1 deep\n"
+                  "       vertex 8 comes out along [0. 0. 1.]\n"
+                  "1.5 m: 'box' inside 'room', 1.5 deep\n"
+                  "  0 m: 'room' and 'box' overlap, 0 and 4 vertices inside, 1 deep\n"
+                  "       vertex 9 comes out along [ 0.  0. -1.]\n",
     "first_contact": "vertex 3 meets triangle 0 at t = 0.500000000, at [1. 1. 0.]\n",
     "line_search": "first contact at 0.350, went 0.25, contacts 0, height 0.5\n",
     "scene_batch": "".join(f"250 contacts in 250 worlds, from {first} to {first + 249}\n" for first in (0, 250, 500)),

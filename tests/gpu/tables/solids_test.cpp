@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <random>
 
-#include "gpu/errors.hpp"
-
 namespace collided::test {
 namespace {
 

@@ -36,6 +36,7 @@ void expect_same(const client::WorldContacts& a, const client::WorldContacts& b)
   EXPECT_EQ(a.normals, b.normals);
   EXPECT_EQ(a.flags, b.flags);
   EXPECT_EQ(a.features, b.features);
+  EXPECT_EQ(a.signed_distances, b.signed_distances);
 }
 
 class SetStreams : public testing::Test {

@@ -41,6 +41,7 @@ Contacts brought(const DeviceMemory& memory, const DeviceContacts& placed, const
           join(placed.normals, others.normals),
           join(placed.flags, others.flags),
           join(placed.features, others.features),
+          join(placed.signed_distances, others.signed_distances),
           {}};
 }
 
@@ -51,7 +52,8 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 bool same_bytes(const Contacts& a, const Contacts& b) {
   return a.count == b.count && same_bytes(a.elements, b.elements) && same_bytes(a.stencils, b.stencils) &&
          same_bytes(a.toi, b.toi) && same_bytes(a.distance, b.distance) && same_bytes(a.weights, b.weights) &&
-         same_bytes(a.normals, b.normals) && same_bytes(a.flags, b.flags) && same_bytes(a.features, b.features);
+         same_bytes(a.normals, b.normals) && same_bytes(a.flags, b.flags) && same_bytes(a.features, b.features) &&
+         same_bytes(a.signed_distances, b.signed_distances);
 }
 
 uint64_t count_placed(const FrameOutput& output) {

@@ -187,6 +187,7 @@ inline pb::ContactChunk own_arrays(pb::ContactChunk chunk, const Memory& memory,
   chunk.set_normals(memory.get(shared.normals(), base));
   chunk.set_flags(memory.get(shared.flags(), base));
   chunk.set_features(memory.get(shared.features(), base));
+  chunk.set_signed_distances(memory.get(shared.signed_distances(), base));
   return chunk;
 }
 

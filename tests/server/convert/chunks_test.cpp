@@ -21,7 +21,8 @@ std::vector<pb::ContactChunk> messages(const FrameResult& result, const Topology
 
 size_t array_bytes(const pb::ContactChunk& chunk) {
   return chunk.elements().size() + chunk.stencils().size() + chunk.toi().size() + chunk.distance().size() +
-         chunk.weights().size() + chunk.normals().size() + chunk.flags().size() + chunk.features().size();
+         chunk.weights().size() + chunk.normals().size() + chunk.flags().size() + chunk.features().size() +
+         chunk.signed_distances().size();
 }
 
 TEST(Chunks, ChunksAreBoundedAndCarryTheFieldsAskedFor) {
@@ -73,13 +74,15 @@ TEST(Chunks, OfSetsTellTheWorldOfEachContact) {
 TEST(Chunks, ArraysOnTheDeviceAreThoseThatHaveBytes) {
   PlacedContacts placed;
   placed.count = 2;
-  placed.elements = {0, 16}, placed.distance = {64, 16}, placed.stencils = {128, 32}, placed.features = {192, 2};
+  placed.elements = {0, 16}, placed.distance = {64, 16}, placed.stencils = {128, 32}, placed.features = {192, 2},
+  placed.signed_distance = {256, 16};
   std::vector<std::array<uint64_t, 3>> arrays;
   for (const auto& [field, range] : arrays_of(placed))
     arrays.push_back({static_cast<uint64_t>(field), range.offset, range.bytes});
   const std::vector<std::array<uint64_t, 3>> expected{{pb::ContactChunk::kElementsFieldNumber, 0, 16},
                                                       {pb::ContactChunk::kDistanceFieldNumber, 64, 16},
                                                       {pb::ContactChunk::kFeaturesFieldNumber, 192, 2},
+                                                      {pb::ContactChunk::kSignedDistancesFieldNumber, 256, 16},
                                                       {pb::ContactChunk::kStencilsFieldNumber, 128, 32}};
   EXPECT_EQ(arrays, expected);
 }

@@ -119,5 +119,12 @@ TEST_F(ConvertEdit, TakesHowThickAMeshIs) {
   EXPECT_EQ(parse().engine->meshes[0].spec.half_thickness, 0.25);
 }
 
+TEST_F(ConvertEdit, TakesWhetherAMeshIsASolid) {
+  pb::MeshSpec& cloth = add(0, "", 4);
+  EXPECT_FALSE(parse().engine->meshes[0].spec.solid);
+  cloth.set_solid(true);
+  EXPECT_TRUE(parse().engine->meshes[0].spec.solid);
+}
+
 }  // namespace
 }  // namespace collided::server

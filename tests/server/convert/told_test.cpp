@@ -47,9 +47,10 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
                    .tests = 6,
                    .pairs = 7,
                    .candidates = {8, 9, 10},
-                   .contacts = {11, 12, 13, 18},
+                   .contacts = {11, 12, 13, 18, 19},
                    .survivors = {14, 15, 16},
-                   .exact_decisions = 17};
+                   .exact_decisions = 17,
+                   .inside_out = 20};
   result.replays = 1, result.allocations = 2, result.graph_launches = 3, result.step_milliseconds = 4;
   result.broad_phase = {Engine::kLbvh, EngineReason::kFaster, 5, 6, 7};
   result.reuse = {ListUse::kReused, ReuseReason::kFaster, 8, 9, 10, 11};
@@ -66,7 +67,7 @@ TEST(Told, AllThatTheEngineSaysOfAFrame) {
             (std::set<std::string>{"contacts", "metrics.total_milliseconds", "metrics.queue_milliseconds",
                                    "metrics.device_bytes", "metrics.bytes_in", "metrics.bytes_out",
                                    "metrics.decode_milliseconds", "metrics.engine_milliseconds",
-                                   "metrics.encode_milliseconds", "shortened", "limits"}));
+                                   "metrics.encode_milliseconds", "shortened", "limits", "pairs"}));
   EXPECT_EQ(done.contact_count(), 3u);
   EXPECT_EQ(done.advanced(), 0.5);
   EXPECT_EQ(done.way(), 0.75);

@@ -88,15 +88,17 @@ TEST(FrameAnswer, DoneTellsTotalsCountsAndWarnings) {
 }
 
 // Watchers are shown it, and what they are shown is bounded.
-TEST(FrameAnswer, DoneHasHowFarTheFrameWentWithoutEachShortenedWayAndLimit) {
+TEST(FrameAnswer, DoneHasHowFarTheFrameWentWithoutEachShortenedWayLimitAndPair) {
   AnsweredFrame frame;
   frame.result.advanced = 0.25, frame.result.way = 0.5;
   frame.result.shortened = {{1, 4}, {0.25, 0.75}};
   frame.result.limits.vertex_triangle.elements = {{3, 0}};
+  frame.result.pair_states = {{.first = 0, .second = 1}};
   const pb::FrameDone done = done_message(frame);
   EXPECT_EQ(done.advanced(), 0.25);
   EXPECT_EQ(done.way(), 0.5);
   EXPECT_FALSE(done.has_shortened());
+  EXPECT_FALSE(done.has_pairs());
   EXPECT_EQ(done.limits_size(), 0);
 }
 

@@ -154,17 +154,20 @@ enum {
   COLLIDED_VERTEX_TRIANGLE = 1,
   COLLIDED_EDGE_EDGE = 2,
   COLLIDED_TRIANGLE_TRIANGLE = 3,
-  COLLIDED_EDGE_TRIANGLE = 4 /* an edge goes through a triangle: in frames of DCD alone, not with Q16 or CANDIDATES */
+  COLLIDED_EDGE_TRIANGLE = 4, /* an edge goes through a triangle: in frames of DCD alone, not with Q16 or CANDIDATES */
+  COLLIDED_VERTEX_SOLID = 5   /* a vertex inside another mesh, a solid, and the triangle there that is nearest to it:
+                                 likewise */
 };
 /* Masks of collided_scene_spec.kinds: 1 << (kind - 1). 0: the first two. */
 enum {
   COLLIDED_KINDS_VERTEX_TRIANGLE = 1,
   COLLIDED_KINDS_EDGE_EDGE = 2,
   COLLIDED_KINDS_TRIANGLE_TRIANGLE = 4,
-  COLLIDED_KINDS_EDGE_TRIANGLE = 8
+  COLLIDED_KINDS_EDGE_TRIANGLE = 8,
+  COLLIDED_KINDS_VERTEX_SOLID = 16 /* needs a solid */
 };
 
-/* Masks of collided_scene_spec.fields. 0: all but WEIGHTS, NORMALS and FEATURES. */
+/* Masks of collided_scene_spec.fields. 0: all but WEIGHTS, NORMALS, FEATURES and those after it. */
 enum {
   COLLIDED_FIELDS_ELEMENTS = 1,
   COLLIDED_FIELDS_STENCILS = 2,
@@ -173,7 +176,9 @@ enum {
   COLLIDED_FIELDS_WEIGHTS = 16,
   COLLIDED_FIELDS_NORMALS = 32,
   COLLIDED_FIELDS_FLAGS = 64,
-  COLLIDED_FIELDS_FEATURES = 128 /* with it frames of DCD also have FLAG_COVERED, and normals where surfaces touch */
+  COLLIDED_FIELDS_FEATURES = 128, /* with it frames of DCD also have FLAG_COVERED, and normals where surfaces touch */
+  COLLIDED_FIELDS_SIGNED_DISTANCE = 256,
+  COLLIDED_FIELDS_PAIR_STATES = 512 /* of pairs of meshes, for collided_result_mesh_pair; needs a solid and DCD */
 };
 
 /* One mesh. It has one element or more, of any kinds. Vertices are numbered within the mesh. */
@@ -195,6 +200,9 @@ typedef struct collided_mesh {
   int32_t reserved;            /* 0 */
   double half_thickness;       /* >= 0, finite: two meshes are in contact up to thickness and both halves, a mesh and
                                   itself up to thickness and twice its half */
+  int32_t solid; /* it bounds a volume: of triangles alone, each edge used as often in one direction as in the other,
+                    and normals outwards */
+  int32_t reserved2; /* 0 */
 } collided_mesh;
 
 typedef struct collided_scene_spec {
@@ -321,12 +329,16 @@ typedef struct collided_contacts {
                                scene-wide */
   const uint32_t* stencils; /* [count][4]: vertex and its triangle's three, or the ends of both edges; scene-wide */
   const double* toi;        /* [count]: time of impact, 0 to 1 of the step (CCD from FAST on) */
-  const double* distance;   /* [count]: >= 0, at the time of impact or, in DCD, of the frame (from FAST on) */
+  const double* distance;   /* [count]: at the time of impact or, in DCD, of the frame (from FAST on); >= 0, but of
+                               VERTEX_SOLID minus the depth */
   const double* weights;    /* [count][2]: of the triangle's second and third corner, or along each edge */
   const float* normals;     /* [count][3]: unit length, from the second feature to the first */
   const uint8_t* flags;     /* [count]: masks COLLIDED_FLAG_... (from FAST on) */
   const uint8_t* features;  /* [count]: masks COLLIDED_CLOSEST_..., of VERTEX_TRIANGLE and EDGE_EDGE (DCD from FAST on,
                                REPORT_ALL) */
+  /* [count], likewise, in scenes with a solid: minus `distance` where a closest point is inside the other mesh; NaN
+   * where neither mesh is a solid, and where one feature goes through the other mesh. */
+  const double* signed_distance;
 } collided_contacts;
 
 enum {
@@ -394,9 +406,36 @@ typedef struct collided_facts {
   const uint32_t* shortened_ids;     /* [shortened_count], ascending: meshes, or scene-wide vertices */
   const double* shortened_fractions; /* [shortened_count]: how far each went, 0 or more and less than 1 */
   uint64_t edge_triangle_contacts;   /* `contacts` of COLLIDED_EDGE_TRIANGLE, which has no candidates */
+  uint64_t vertex_solid_contacts;    /* and of COLLIDED_VERTEX_SOLID */
+  uint64_t mesh_pair_count;          /* for collided_result_mesh_pair */
+  uint64_t inside_out;               /* of it: vertices whose winding number in another mesh, a solid, is below 0 */
 } collided_facts;
 
 COLLIDED_API collided_status collided_result_facts(const collided_result* result, collided_facts* facts);
+/* collided_mesh_pair.state */
+enum {
+  COLLIDED_PAIR_TOUCHING = 1,    /* they have points in common, and no volume or, if one is no solid, no triangles that
+                                    go through each other */
+  COLLIDED_PAIR_OVERLAPPING = 2, /* they meet in more than that, or a vertex of one is in the other, but not as below */
+  COLLIDED_PAIR_FIRST_INSIDE = 3, /* surfaces have no point in common; all vertices of the first are in the second */
+  COLLIDED_PAIR_SECOND_INSIDE = 4 /* the same the other way round */
+};
+
+/* Two meshes, one of them a solid at least, that are not apart, in a DCD frame of a scene with FIELDS_PAIR_STATES. */
+typedef struct collided_mesh_pair {
+  size_t struct_size;
+  uint32_t first; /* numbers of the meshes, first < second */
+  uint32_t second;
+  int32_t state;          /* COLLIDED_PAIR_TOUCHING ... */
+  uint32_t first_inside;  /* vertices of the first mesh that are inside the second */
+  uint32_t second_inside; /* and of the second inside the first */
+  uint32_t deepest;       /* of these vertices, scene-wide, the least of several; UINT32_MAX: there is none */
+  double depth;           /* its distance from the other mesh's surface, >= 0 */
+} collided_mesh_pair;
+
+/* One of those pairs, by `first`, then `second`. index: 0 to collided_facts.mesh_pair_count - 1. */
+COLLIDED_API collided_status collided_result_mesh_pair(const collided_result* result, uint64_t index,
+                                                       collided_mesh_pair* pair);
 /* A stage that ran, in order. index: 0 to stage_count - 1. The name belongs to the result. */
 COLLIDED_API collided_status collided_result_stage(const collided_result* result, uint32_t index, const char** name,
                                                    double* milliseconds);

@@ -27,7 +27,7 @@ from collided.connection.own_daemon import OwnDaemon, shared_daemon
 from collided.errors import (DataLoss, DeadlineExceeded, Error, InvalidArgument, NotFound, ResourceExhausted, Unavailable,
                              error_of_call)
 from collided.layout import Layout
-from collided.options import FIELDS, SceneOptions, check_seconds
+from collided.options import SceneOptions, check_seconds
 from collided.v1 import batch_pb2, contact_pb2, scene_pb2
 from collided.v1 import collision_service_pb2 as api
 from collided.v1.collision_service_pb2_grpc import CollisionServiceStub
@@ -191,7 +191,7 @@ class Client:
         spec = full_spec(layout, options)
         features = self.connect().features
         assert features is not None
-        if set(options.fields) == set(FIELDS):
+        if options.has_all_fields:
             spec.fields[:] = [field for field in spec.fields
                               if not features.lack(f"collided.v1.{contact_pb2.ContactField.Name(field)}")]
         return spec
@@ -397,5 +397,14 @@ def full_spec(layout: Layout, options: SceneOptions) -> scene_pb2.SceneSpec:
     spec = options.spec()
     spec.position_format = options.format(layout).number
     spec.meshes.extend(mesh.spec(with_triangles=False) for _, mesh in layout.present())
+    if options.has_all_fields and _can_tell_pairs(spec):
+        spec.fields.append(contact_pb2.CONTACT_FIELD_PAIR_STATES)
     spec.excluded_meshes.extend(scene_pb2.MeshPair(first=a, second=b) for a, b in sorted(layout.excluded))
     return spec
+
+
+def _can_tell_pairs(spec: scene_pb2.SceneSpec) -> bool:
+    """Returns True if a scene can have states of pairs. The daemon refuses to be asked for them in other scenes."""
+    has_states = (spec.mode != scene_pb2.DETECTION_MODE_CCD and spec.accuracy != scene_pb2.ACCURACY_CANDIDATES
+                  and spec.position_format != scene_pb2.POSITION_FORMAT_Q16)
+    return has_states and any(mesh.solid for mesh in spec.meshes)

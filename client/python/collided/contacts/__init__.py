@@ -2,5 +2,6 @@
 
 from collided.contacts.contacts import Contacts, Flag
 from collided.contacts.closest import Feature, OnEdge, OnTriangle
+from collided.contacts.pairs import MeshPair, MeshPairs, PairState
 
-__all__ = ["Contacts", "Feature", "Flag", "OnEdge", "OnTriangle"]
+__all__ = ["Contacts", "Feature", "Flag", "MeshPair", "MeshPairs", "OnEdge", "OnTriangle", "PairState"]

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from collided.contacts.columns import Part
+from collided.contacts.pairs import MeshPairs
 from collided.frames.advance import Advance
 from collided.frames.state import State, Way
 from collided.layout import Layout
@@ -18,7 +19,7 @@ from collided.v1 import frame_pb2
 class Answer:
     """The end of a frame. way: None where the client does not know the positions, as of a frame that it watches. has_layout:
     the layout is the frame's, and not that of a later edit. advance: how far meshes went; None where they went all of their ways.
-    limits: contacts that limit the way."""
+    limits: contacts that limit the way. pairs: meshes that are not apart; None in a frame without states of pairs."""
 
     frame_id: int
     wire_id: int
@@ -30,6 +31,7 @@ class Answer:
     has_layout: bool = True
     advance: Advance | None = None
     limits: list[Part] = field(default_factory=list)
+    pairs: MeshPairs | None = None
 
     @cached_property
     def starts(self) -> np.ndarray:

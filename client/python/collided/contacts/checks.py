@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collided.layout import Layout
 
 CONTACTS, LIMITS = "contacts", "limits"  # fields of a frame's answer that hold contacts
+_LIMIT_NO_WAY = (contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, contact_pb2.CONTACT_KIND_EDGE_TRIANGLE, contact_pb2.CONTACT_KIND_VERTEX_SOLID)
 _MOST_BARE = 1 << 24  # contacts of a chunk without any array, whose number nothing else confirms
 
 
@@ -32,7 +33,7 @@ def check_limits(chunks: Sequence[contact_pb2.ContactChunk], are_asked: bool) ->
     if chunks and not are_asked:
         raise DataLoss(f"limits has {len(chunks)} chunks, and the frame did not ask for them")
     for chunk in chunks:
-        if chunk.kind in (contact_pb2.CONTACT_KIND_TRIANGLE_TRIANGLE, contact_pb2.CONTACT_KIND_EDGE_TRIANGLE):
+        if chunk.kind in _LIMIT_NO_WAY:
             name = KINDS[chunk.kind].name.upper()
             raise DataLoss(f"limits.kind is {name}; only a vertex and a triangle, or two edges, limit a way")
 
@@ -60,18 +61,29 @@ def check_part(part: Part, layout: Layout, field: str = CONTACTS) -> None:
     toi = arrays.get("toi")
     if toi is not None and not (toi.min() >= 0 and toi.max() <= 1):
         raise DataLoss(f"{field}.toi has a time that is not in [0, 1]")
-    distance = arrays.get("distance")
-    if distance is not None and not distance.min() >= 0:
-        raise DataLoss(f"{field}.distance has a distance that is not 0 or more")
+    _check_distances(part, field)
     if (stencils := arrays.get("stencils")) is not None:
         _check_ids(f"{field}.stencils", stencils, int(layout.vertex_offsets[-1]), "vertices")
     if (elements := arrays.get("elements")) is not None:
         vertices, count = int(layout.vertex_offsets[-1]), int(layout.element_offsets[-1])
         vertex, edge, element = (vertices, "vertices"), (3 * count, "edges at most"), (count, "elements")
         both = {contact_pb2.CONTACT_KIND_VERTEX_TRIANGLE: (vertex, element), contact_pb2.CONTACT_KIND_EDGE_EDGE: (edge, edge),
-                contact_pb2.CONTACT_KIND_EDGE_TRIANGLE: (edge, element)}.get(part.kind, (element, element))
+                contact_pb2.CONTACT_KIND_EDGE_TRIANGLE: (edge, element),
+                contact_pb2.CONTACT_KIND_VERTEX_SOLID: (vertex, element)}.get(part.kind, (element, element))
         for ids, feature in zip(elements.T, both):
             _check_ids(f"{field}.elements", ids, *feature)
+
+
+def _check_distances(part: Part, field: str) -> None:
+    """Depths are below 0, all other distances 0 or more, and a sign changes nothing else."""
+    distance, with_sign = part.arrays.get("distance"), part.arrays.get("signed_distances")
+    if distance is not None and part.kind == contact_pb2.CONTACT_KIND_VERTEX_SOLID:
+        if not distance.max() < 0:
+            raise DataLoss(f"{field}.distance has a distance of a vertex in a solid that is not below 0")
+    elif distance is not None and not distance.min() >= 0:
+        raise DataLoss(f"{field}.distance has a distance that is not 0 or more")
+    if distance is not None and with_sign is not None and not (np.isnan(with_sign) | (np.abs(with_sign) == distance)).all():
+        raise DataLoss(f"{field}.signed_distances has a distance that is neither {field}.distance nor minus it")
 
 
 def _check_ids(name: str, ids: np.ndarray, count: int, of_what: str) -> None:

@@ -41,7 +41,7 @@ def read_chunk(chunk: contact_pb2.ContactChunk, shared: Callable[[Any], memoryvi
 
 def read_limits(chunks: Sequence[contact_pb2.ContactChunk], are_asked: bool,
                 shared: Callable[[Any], memoryview] | None = None) -> list[Part]:
-    """Reads chunks of what limits a frame's way, which have every array but `features`. are_asked: the frame has `limits`. Raises
+    """Reads chunks of what limits a frame's way, which have every array but `features` and `signed_distances`. are_asked: the frame has `limits`. Raises
     DataLoss."""
     check_limits(chunks, are_asked)
     parts = [read_chunk(chunk, shared, LIMITS) for chunk in chunks]

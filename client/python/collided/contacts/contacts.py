@@ -14,6 +14,7 @@ from collided.contacts.answer import Answer
 from collided.contacts.checks import LIMITS, check_done, check_part
 from collided.contacts.columns import Part, joined
 from collided.contacts.geometry import closest_points, meshes_of
+from collided.contacts.pairs import MeshPairs
 from collided.contacts.tables import dataframe, records
 from collided.errors import FailedPrecondition, InvalidArgument
 from collided.frames.advance import Shortened
@@ -34,10 +35,11 @@ class Flag(enum.IntFlag):
 
 
 class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
-    """Contacts of one frame, in canonical order: by kind (vertex-triangle, edge-edge, triangle-triangle, edge-triangle), then by ids.
+    """Contacts of one frame, in canonical order: by kind (vertex-triangle, edge-edge, triangle-triangle, edge-triangle,
+    vertex-solid), then by ids.
 
     Every array has one row for each contact. An index (a mask, a slice, numbers) gives the contacts that it selects, and so
-    do `vt`, `ee`, `tt`, `et`, `of_mesh` and `between`; what concerns the whole frame, such as `earliest_toi`, stays as it is.
+    do `vt`, `ee`, `tt`, `et`, `vs`, `of_mesh` and `between`; what concerns the whole frame, such as `earliest_toi`, stays as it is.
     Positions of the frame are kept as long as its contacts are.
 
     A column that the scene did not ask for, or that its mode or level does not compute, raises FailedPrecondition.
@@ -128,10 +130,22 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
         """Contacts that limit the way, in a frame with `limits=True`; else none. A selection of contacts has those of the whole frame.
 
         The whole way would bring each of these pairs nearer than it may come, or is not certain to keep it that far apart. They are
-        vertex-triangle and edge-edge, in canonical order, and have every column but `features`, whatever the scene's fields are.
+        vertex-triangle and edge-edge, in canonical order, and have every column but `features` and `signed_distances`, whatever the scene's fields are.
         `distance` is the least that a pair keeps, in the unit of the positions. `toi`, in [0, 1], is the fraction of the whole way at
         which the pair comes to that distance, and never later than in truth. Weights, normals and points are those of `toi`."""
         return Contacts._of_checked(self.answer, self.answer.limits)
+
+    @property
+    def pairs(self) -> MeshPairs:
+        """Says which meshes touch, overlap, or are one inside the other: the pairs, one of them a solid, that are not apart. A selection
+        of contacts has the pairs of the whole frame.
+
+        Raises FailedPrecondition for frames without them: frames of CCD, with a report of one contact, or of a scene without the field
+        "pair_states", and frames that are watched."""
+        if self.answer.pairs is None:
+            raise FailedPrecondition(f"frame {self.frame_id} has no states of pairs: frames of DCD with the report \"all\" have them, in "
+                                     'scenes with a solid and the field "pair_states"', field="fields")
+        return self.answer.pairs
 
     @property
     def metrics(self) -> metrics_pb2.FrameMetrics:
@@ -142,7 +156,7 @@ class Contacts(HasColumns[np.ndarray], HasKinds["Contacts"]):
 
     @property
     def kinds(self) -> np.ndarray:
-        """uint8[n]: 1 vertex-triangle, 2 edge-edge, 3 triangle-triangle, 4 edge-triangle."""
+        """uint8[n]: 1 vertex-triangle, 2 edge-edge, 3 triangle-triangle, 4 edge-triangle, 5 vertex-solid."""
         return self._column("kinds")
 
     def has_flag(self, flag: Flag) -> np.ndarray:

@@ -17,7 +17,7 @@ from collided.frames.updates import Context, Update, updates_of
 from collided.layout import Layout
 from collided.meshes import Mesh
 from collided.options import SceneOptions
-from collided.v1 import frame_pb2, scene_pb2
+from collided.v1 import contact_pb2, frame_pb2, scene_pb2
 
 NOWHERE = -1  # instead of the last frame that a scene has applied: it is not where the track says
 
@@ -83,6 +83,12 @@ class Track:
     def has_motion(self, head: frame_pb2.Frame) -> bool:
         """Whether a frame asks what touches on the way, by its mode."""
         return self.has_starts and head.mode != scene_pb2.DETECTION_MODE_DCD
+
+    def tells_pairs(self, head: frame_pb2.Frame, spec: scene_pb2.SceneSpec) -> bool:
+        """Returns True if the answer to a frame has states of pairs. spec: that of the scene, as it was created."""
+        if contact_pb2.CONTACT_FIELD_PAIR_STATES not in spec.fields or self.has_motion(head):
+            return False
+        return (head.report or spec.report or scene_pb2.REPORT_ALL) == scene_pb2.REPORT_ALL
 
     def next_id(self) -> int:
         self.last_sent += 1

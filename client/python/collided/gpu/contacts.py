@@ -9,6 +9,7 @@ from typing import Optional
 from collided.columns import COLUMNS, HasColumns
 from collided.contacts import Contacts
 from collided.contacts.columns import Part, read_chunk
+from collided.contacts.pairs import MeshPairs
 from collided.errors import DataLoss
 from collided.frames.advance import Shortened
 from collided.gpu.arrays import DeviceArray
@@ -37,6 +38,7 @@ class DeviceContacts(HasKinds[KindOnDevice]):
 
     on_host: those that had no room there, after them, in the same order; `output_bytes` makes room.
     shortened, limits: as of `Contacts`, in host memory; `limits` is there once the frame is answered, and has no `points`.
+    pairs: as of `Contacts`, in host memory; None in frames without them.
     """
 
     frame_id: int
@@ -44,6 +46,7 @@ class DeviceContacts(HasKinds[KindOnDevice]):
     on_host: list[Part] = field(default_factory=list)
     done: frame_pb2.FrameDone = field(default_factory=frame_pb2.FrameDone)
     shortened: Shortened = Shortened()
+    pairs: Optional[MeshPairs] = None
     limits: Contacts = field(init=False)
 
     def add(self, chunk: contact_pb2.ContactChunk, memory: OutputMemory) -> None:

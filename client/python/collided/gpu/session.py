@@ -11,6 +11,7 @@ import collided.leftovers as leftovers
 from collided.contacts import Contacts
 from collided.contacts.answer import Answer
 from collided.contacts.columns import Part, read_limits
+from collided.contacts.pairs import read_pairs
 from collided.errors import DataLoss, FailedPrecondition, InvalidArgument, ResourceExhausted, error_of_frame
 from collided.frames.advance import read_advance
 from collided.frames.options import FrameOptions
@@ -29,7 +30,7 @@ from collided.transport.opening import MOST_FRAMES, local_socket, opened_by
 from collided.transport.peer import LocalPeer
 from collided.transport.region import region_layout
 from collided.v1 import collision_service_pb2 as api
-from collided.v1 import frame_pb2
+from collided.v1 import contact_pb2, frame_pb2
 
 
 @dataclass(eq=False)
@@ -41,6 +42,7 @@ class _Pending:
     head: frame_pb2.Frame
     edited: Layout | None
     shortened: list[frame_pb2.ShortenedWays] = field(default_factory=list)
+    pairs: list[contact_pb2.MeshPairs] = field(default_factory=list)
     limits: list[Part] = field(default_factory=list)
 
 
@@ -144,7 +146,7 @@ class DeviceSession:
             kind = response.WhichOneof("response") if response is not None else None
             if response is None or kind in (None, "draining"):
                 continue
-            if response.frame_id != pending.wire_id or kind not in ("contacts", "limits", "shortened", "done", "error"):
+            if response.frame_id != pending.wire_id or kind not in ("contacts", "limits", "shortened", "pairs", "done", "error"):
                 raise DataLoss(f"the daemon answers frame {response.frame_id} with {kind!r} instead of frame {pending.wire_id}")
             if kind == "contacts":
                 contacts.add(response.contacts, self._memory)
@@ -155,6 +157,9 @@ class DeviceSession:
             if kind == "shortened":
                 pending.shortened.append(response.shortened)
                 continue
+            if kind == "pairs":
+                pending.pairs.append(response.pairs)
+                continue
             self._pending.popleft()
             if kind == "error":
                 raise error_of_frame(response.error, contacts.frame_id)
@@ -164,8 +169,10 @@ class DeviceSession:
             pending.limits += read_limits(done.limits, pending.head.limits)
             del done.contacts[:], done.limits[:]
             advance = read_advance(pending.head, done, pending.shortened, layout)
+            pairs = read_pairs(pending.pairs, done, layout, self.scene.track.tells_pairs(pending.head, self.scene.message.spec))
             answer = Answer(contacts.frame_id, pending.wire_id, done, layout, None, True, advance=advance, limits=pending.limits)
             contacts.done, contacts.limits = done, Contacts.of_parts(answer, []).limits
+            contacts.pairs = pairs
             contacts.shortened = advance.shortened if advance else contacts.shortened
             if not pending.head.trial:
                 self._has_begun = True

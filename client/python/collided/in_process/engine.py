@@ -17,8 +17,11 @@ from collided.in_process import library
 from collided.in_process.library import Library
 from collided.kinds import EDGE_EDGE, KINDS, TRIANGLE_TRIANGLE, VERTEX_TRIANGLE
 from collided.layout import Layout
+from collided.options import FIELDS
 from collided.v1 import contact_pb2, frame_pb2, metrics_pb2, scene_pb2
 
+# Fields of contacts, in the order of the bits of the library's mask.
+_FIELDS = [contact_pb2.ContactField.Value(f"CONTACT_FIELD_{name.upper()}") for name in (*FIELDS, "pair_states")]
 _NAMES = {"excluded_rings": "exclude_rings", "excludes_rest_pairs": "exclude_rest_pairs"}  # of the library, and here
 
 
@@ -68,12 +71,29 @@ class Result:
             done.shortened.ids = ctypes.string_at(facts.shortened_ids, 4 * facts.shortened_count)
             done.shortened.fractions = ctypes.string_at(facts.shortened_fractions, 8 * facts.shortened_count)
             done.limits.extend(_copy(kind, contacts) for kind, contacts in self._contacts("result_limits"))
+        if facts.mesh_pair_count:
+            done.pairs.CopyFrom(self._pairs(facts.mesh_pair_count))
         return done
+
+    def _pairs(self, count: int) -> contact_pb2.MeshPairs:
+        rows = (library.MeshPair * count)()
+        for i, row in enumerate(rows):
+            row.struct_size = ctypes.sizeof(library.MeshPair)
+            self._library.call("result_mesh_pair", self._pointer, i, ctypes.byref(row))
+        table = np.ctypeslib.as_array(rows)
+
+        def packed(dtype: str, *names: str) -> bytes:
+            return np.stack([table[name] for name in names], axis=-1).astype(dtype).tobytes()
+
+        return contact_pb2.MeshPairs(meshes=packed("<u4", "first", "second"), states=packed("u1", "state"),
+                                     inside=packed("<u4", "first_inside", "second_inside"), deepest=packed("<u4", "deepest"),
+                                     depths=packed("<f8", "depth"))
 
     def _metrics(self, facts: library.Facts) -> metrics_pb2.FrameMetrics:
         counts = metrics_pb2.FrameCounts(**{name: getattr(facts, name) for name in (
-            "cells", "leaves", "top_level", "base_level", "registrations", "tests", "pairs", "exact_decisions")})
-        counts.contacts_edge_triangle = facts.edge_triangle_contacts
+            "cells", "leaves", "top_level", "base_level", "registrations", "tests", "pairs", "exact_decisions",
+            "inside_out")})
+        counts.contacts_edge_triangle, counts.contacts_vertex_solid = facts.edge_triangle_contacts, facts.vertex_solid_contacts
         for i, kind in enumerate((VERTEX_TRIANGLE, EDGE_EDGE, TRIANGLE_TRIANGLE)):
             for counter in ("candidates", "survivors", "contacts"):
                 if (field := f"{counter}_{kind.name}") in counts.DESCRIPTOR.fields_by_name:  # triangle pairs have no candidates
@@ -230,12 +250,12 @@ def _spec(spec: scene_pb2.SceneSpec, layout: Layout, keep: list[np.ndarray]) -> 
             edge_count=len(asked.edges) // 8, points=borrowed(asked.points), point_count=len(asked.points) // 4,
             vertex_count=asked.vertex_count, motion=asked.motion, groups=asked.groups, collide_mask=asked.collide_mask,
             no_self_contacts=asked.no_self_contacts, excluded_rings=asked.exclude_rings,
-            excludes_rest_pairs=asked.exclude_rest_pairs, half_thickness=asked.half_thickness)
+            excludes_rest_pairs=asked.exclude_rest_pairs, half_thickness=asked.half_thickness, solid=asked.solid)
     excluded = [mesh for pair in spec.excluded_meshes for mesh in (pair.first, pair.second)]
     out = library.SceneSpec(
         spec, meshes=meshes, mesh_count=len(meshes), excluded_meshes=borrowed(excluded), excluded_mesh_count=len(excluded) // 2,
         device=_device(spec), kinds=sum(1 << (kind - 1) for kind in set(spec.kinds)),
-        fields=sum(1 << (field - 1) for field in set(spec.fields)), memory_budget=spec.memory_budget_bytes)
+        fields=sum(1 << _FIELDS.index(field) for field in set(spec.fields)), memory_budget=spec.memory_budget_bytes)
     if spec.HasField("quantization_box"):
         box = (*spec.quantization_box.lower, *spec.quantization_box.upper)
         out.quantized_in = (ctypes.c_double * 6)(*box)

@@ -34,7 +34,7 @@ class Mesh(_Sized):
                 ("triangle_count", c_uint64), ("edge_count", c_uint64), ("point_count", c_uint64),
                 ("vertex_count", c_uint32), ("motion", c_int32), ("groups", c_uint32), ("collide_mask", c_uint32),
                 ("no_self_contacts", c_int32), ("excluded_rings", c_uint32), ("excludes_rest_pairs", c_int32),
-                ("reserved", c_int32), ("half_thickness", c_double)]
+                ("reserved", c_int32), ("half_thickness", c_double), ("solid", c_int32), ("reserved2", c_int32)]
 
 
 class SceneSpec(_Sized):
@@ -84,7 +84,13 @@ class Facts(_Sized):
                 ("tests", c_uint64), ("pairs", c_uint64), ("exact_decisions", c_uint64), ("top_level", c_uint32),
                 ("base_level", c_uint32), ("candidates", c_uint64 * 3), ("survivors", c_uint64 * 3),
                 ("contacts", c_uint64 * 3), ("way", c_double), ("shortened_count", c_uint64), ("shortened_ids", c_void_p),
-                ("shortened_fractions", c_void_p), ("edge_triangle_contacts", c_uint64)]
+                ("shortened_fractions", c_void_p), ("edge_triangle_contacts", c_uint64), ("vertex_solid_contacts", c_uint64),
+                ("mesh_pair_count", c_uint64), ("inside_out", c_uint64)]
+
+
+class MeshPair(_Sized):
+    _fields_ = [("struct_size", c_size_t), ("first", c_uint32), ("second", c_uint32), ("state", c_int32),
+                ("first_inside", c_uint32), ("second_inside", c_uint32), ("deepest", c_uint32), ("depth", c_double)]
 
 
 _FUNCTIONS = {
@@ -97,6 +103,7 @@ _FUNCTIONS = {
     "result_contacts_in_room": [c_void_p, c_int32, POINTER(Contacts)],
     "result_limits": [c_void_p, c_int32, POINTER(Contacts)],
     "result_facts": [c_void_p, POINTER(Facts)],
+    "result_mesh_pair": [c_void_p, c_uint64, POINTER(MeshPair)],
     "result_stage": [c_void_p, c_uint32, POINTER(c_char_p), POINTER(c_double)],
     "result_unused_option": [c_void_p, c_uint32, POINTER(c_char_p)]}
 

@@ -35,6 +35,8 @@ class Mesh:
     exclude_rest_pairs: leave out self contacts of features within the scene's rest_distance where the mesh begins.
     half_thickness: half of what the mesh is thick beyond the scene's `thickness`, >= 0, finite, in the unit of the positions.
         Two meshes are in contact up to `thickness` and both halves, a mesh and itself up to `thickness` and twice its half.
+    solid: whether the mesh bounds a volume: of triangles alone, each edge used as often in one direction as in the other, and a volume
+        above 0 where it begins, outside where normals (b - a) x (c - a) point to. The daemon refuses others.
     notes: what `read` welded, joined or dropped, such as "welded 36 corners into 8 vertices".
 
     Raises InvalidArgument for shapes, dtypes and vertex numbers that cannot be.
@@ -53,6 +55,7 @@ class Mesh:
     exclude_rings: int = field(default=0, kw_only=True)
     exclude_rest_pairs: bool = field(default=False, kw_only=True)
     half_thickness: float = field(default=0.0, kw_only=True)
+    solid: bool = field(default=False, kw_only=True)
     notes: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
@@ -70,7 +73,7 @@ class Mesh:
         object.__setattr__(self, "motion", word(scene_pb2.MeshMotion, "MESH_MOTION_", motion or 1))
         for name, limit in (("groups", UINT32_MAX), ("collide_mask", UINT32_MAX), ("exclude_rings", 8)):
             self._check_whole(name, limit)
-        for name in ("self_contacts", "exclude_rest_pairs"):
+        for name in ("self_contacts", "exclude_rest_pairs", "solid"):
             object.__setattr__(self, name, check_flag(getattr(self, name), name))
         check_length(self.half_thickness, "half_thickness")
 
@@ -124,7 +127,7 @@ class Mesh:
         """One line, however many elements there are."""
         counts = ((self.vertex_count, "vertex"), (len(self.triangles), "triangle"), (len(self.edges), "edge"),
                   (len(self.points), "point"))
-        return f"<Mesh {self.name!r}: {', '.join(counted(n, word) for n, word in counts if n)}, {self.motion}>"
+        return f"<Mesh {self.name!r}: {', '.join(counted(n, word) for n, word in counts if n)}, {self.motion}{', solid' * self.solid}>"
 
     @property
     def element_count(self) -> int:
@@ -159,7 +162,7 @@ class Mesh:
             name=self.name, vertex_count=self.vertex_count, groups=self.groups, collide_mask=self.collide_mask,
             motion=choice(scene_pb2.MeshMotion, "MESH_MOTION_", self.motion, "motion"),
             no_self_contacts=not self.self_contacts, exclude_rings=self.exclude_rings,
-            exclude_rest_pairs=self.exclude_rest_pairs, half_thickness=self.half_thickness,
+            exclude_rest_pairs=self.exclude_rest_pairs, half_thickness=self.half_thickness, solid=self.solid,
             triangle_count=len(self.triangles), edges=self.edges.tobytes(), points=self.points.tobytes())
         if with_triangles:
             spec.triangles = self.triangles.tobytes()

@@ -14,16 +14,18 @@ DELIVERY_POLICY_UNSPECIFIED: DeliveryPolicy
 DESCRIPTOR: _descriptor.FileDescriptor
 
 class ContactBytes(_message.Message):
-    __slots__ = ["edge_edge", "edge_triangle", "triangle_triangle", "vertex_triangle"]
+    __slots__ = ["edge_edge", "edge_triangle", "triangle_triangle", "vertex_solid", "vertex_triangle"]
     EDGE_EDGE_FIELD_NUMBER: _ClassVar[int]
     EDGE_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
     TRIANGLE_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
+    VERTEX_SOLID_FIELD_NUMBER: _ClassVar[int]
     VERTEX_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
     edge_edge: int
     edge_triangle: int
     triangle_triangle: int
+    vertex_solid: int
     vertex_triangle: int
-    def __init__(self, vertex_triangle: _Optional[int] = ..., edge_edge: _Optional[int] = ..., triangle_triangle: _Optional[int] = ..., edge_triangle: _Optional[int] = ...) -> None: ...
+    def __init__(self, vertex_triangle: _Optional[int] = ..., edge_edge: _Optional[int] = ..., triangle_triangle: _Optional[int] = ..., edge_triangle: _Optional[int] = ..., vertex_solid: _Optional[int] = ...) -> None: ...
 
 class CreateSceneRequest(_message.Message):
     __slots__ = ["lease_seconds", "request_id", "spec"]
@@ -258,7 +260,7 @@ class StreamFramesRequest(_message.Message):
     def __init__(self, open: _Optional[_Union[OpenStream, _Mapping]] = ..., frame: _Optional[_Union[_frame_pb2.Frame, _Mapping]] = ...) -> None: ...
 
 class StreamFramesResponse(_message.Message):
-    __slots__ = ["contacts", "done", "draining", "error", "frame_id", "limits", "opened", "shortened", "skipped", "world_errors"]
+    __slots__ = ["contacts", "done", "draining", "error", "frame_id", "limits", "opened", "pairs", "shortened", "skipped", "world_errors"]
     CONTACTS_FIELD_NUMBER: _ClassVar[int]
     DONE_FIELD_NUMBER: _ClassVar[int]
     DRAINING_FIELD_NUMBER: _ClassVar[int]
@@ -266,6 +268,7 @@ class StreamFramesResponse(_message.Message):
     FRAME_ID_FIELD_NUMBER: _ClassVar[int]
     LIMITS_FIELD_NUMBER: _ClassVar[int]
     OPENED_FIELD_NUMBER: _ClassVar[int]
+    PAIRS_FIELD_NUMBER: _ClassVar[int]
     SHORTENED_FIELD_NUMBER: _ClassVar[int]
     SKIPPED_FIELD_NUMBER: _ClassVar[int]
     WORLD_ERRORS_FIELD_NUMBER: _ClassVar[int]
@@ -276,10 +279,11 @@ class StreamFramesResponse(_message.Message):
     frame_id: int
     limits: _contact_pb2.ContactChunk
     opened: StreamOpened
+    pairs: _contact_pb2.MeshPairs
     shortened: _frame_pb2.ShortenedWays
     skipped: FrameSkipped
     world_errors: _frame_pb2.WorldErrors
-    def __init__(self, frame_id: _Optional[int] = ..., opened: _Optional[_Union[StreamOpened, _Mapping]] = ..., contacts: _Optional[_Union[_contact_pb2.ContactChunk, _Mapping]] = ..., done: _Optional[_Union[_frame_pb2.FrameDone, _Mapping]] = ..., error: _Optional[_Union[_frame_pb2.FrameError, _Mapping]] = ..., skipped: _Optional[_Union[FrameSkipped, _Mapping]] = ..., draining: _Optional[_Union[Draining, _Mapping]] = ..., world_errors: _Optional[_Union[_frame_pb2.WorldErrors, _Mapping]] = ..., shortened: _Optional[_Union[_frame_pb2.ShortenedWays, _Mapping]] = ..., limits: _Optional[_Union[_contact_pb2.ContactChunk, _Mapping]] = ...) -> None: ...
+    def __init__(self, frame_id: _Optional[int] = ..., opened: _Optional[_Union[StreamOpened, _Mapping]] = ..., contacts: _Optional[_Union[_contact_pb2.ContactChunk, _Mapping]] = ..., done: _Optional[_Union[_frame_pb2.FrameDone, _Mapping]] = ..., error: _Optional[_Union[_frame_pb2.FrameError, _Mapping]] = ..., skipped: _Optional[_Union[FrameSkipped, _Mapping]] = ..., draining: _Optional[_Union[Draining, _Mapping]] = ..., world_errors: _Optional[_Union[_frame_pb2.WorldErrors, _Mapping]] = ..., shortened: _Optional[_Union[_frame_pb2.ShortenedWays, _Mapping]] = ..., limits: _Optional[_Union[_contact_pb2.ContactChunk, _Mapping]] = ..., pairs: _Optional[_Union[_contact_pb2.MeshPairs, _Mapping]] = ...) -> None: ...
 
 class StreamOpened(_message.Message):
     __slots__ = ["scene", "window"]

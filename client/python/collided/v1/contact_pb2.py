@@ -15,7 +15,7 @@ from collided.v1 import added_in_pb2 as collided_dot_v1_dot_added__in__pb2
 from collided.v1 import shared_range_pb2 as collided_dot_v1_dot_shared__range__pb2
 
 
-DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x63ollided/v1/contact.proto\x12\x0b\x63ollided.v1\x1a\x1a\x63ollided/v1/added_in.proto\x1a\x1e\x63ollided/v1/shared_range.proto\"\x8e\x03\n\x0cSharedArrays\x12*\n\x08\x65lements\x18\x01 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12*\n\x08stencils\x18\x02 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12%\n\x03toi\x18\x03 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12*\n\x08\x64istance\x18\x04 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12)\n\x07weights\x18\x05 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12)\n\x07normals\x18\x06 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12\'\n\x05\x66lags\x18\x07 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12(\n\x06worlds\x18\t \x01(\x0b\x32\x18.collided.v1.SharedRange\x12*\n\x08\x66\x65\x61tures\x18\n \x01(\x0b\x32\x18.collided.v1.SharedRange\"\x86\x02\n\x0c\x43ontactChunk\x12&\n\x04kind\x18\x01 \x01(\x0e\x32\x18.collided.v1.ContactKind\x12\r\n\x05\x63ount\x18\x02 \x01(\r\x12\x10\n\x08\x65lements\x18\x03 \x01(\x0c\x12\x10\n\x08stencils\x18\x04 \x01(\x0c\x12\x0b\n\x03toi\x18\x05 \x01(\x0c\x12\x10\n\x08\x64istance\x18\x06 \x01(\x0c\x12\x0f\n\x07weights\x18\x07 \x01(\x0c\x12\x0f\n\x07normals\x18\x08 \x01(\x0c\x12\r\n\x05\x66lags\x18\t \x01(\x0c\x12)\n\x06shared\x18\n \x01(\x0b\x32\x19.collided.v1.SharedArrays\x12\x0e\n\x06worlds\x18\x0b \x01(\x0c\x12\x10\n\x08\x66\x65\x61tures\x18\x0c \x01(\x0c*\xb8\x01\n\x0b\x43ontactKind\x12\x1c\n\x18\x43ONTACT_KIND_UNSPECIFIED\x10\x00\x12 \n\x1c\x43ONTACT_KIND_VERTEX_TRIANGLE\x10\x01\x12\x1a\n\x16\x43ONTACT_KIND_EDGE_EDGE\x10\x02\x12\"\n\x1e\x43ONTACT_KIND_TRIANGLE_TRIANGLE\x10\x03\x12)\n\x1a\x43ONTACT_KIND_EDGE_TRIANGLE\x10\x04\x1a\t\xba\xd7\x18\x05\x30.2.0*\x8c\x02\n\x0c\x43ontactField\x12\x1d\n\x19\x43ONTACT_FIELD_UNSPECIFIED\x10\x00\x12\x1a\n\x16\x43ONTACT_FIELD_ELEMENTS\x10\x01\x12\x19\n\x15\x43ONTACT_FIELD_STENCIL\x10\x02\x12\x15\n\x11\x43ONTACT_FIELD_TOI\x10\x03\x12\x1a\n\x16\x43ONTACT_FIELD_DISTANCE\x10\x04\x12\x19\n\x15\x43ONTACT_FIELD_WEIGHTS\x10\x05\x12\x18\n\x14\x43ONTACT_FIELD_NORMAL\x10\x06\x12\x17\n\x13\x43ONTACT_FIELD_FLAGS\x10\x07\x12%\n\x16\x43ONTACT_FIELD_FEATURES\x10\x08\x1a\t\xba\xd7\x18\x05\x30.2.0*\xf9\x01\n\x0b\x43ontactFlag\x12\x1c\n\x18\x43ONTACT_FLAG_UNSPECIFIED\x10\x00\x12\x1a\n\x16\x43ONTACT_FLAG_CERTIFIED\x10\x01\x12\x15\n\x11\x43ONTACT_FLAG_NEAR\x10\x02\x12\x17\n\x13\x43ONTACT_FLAG_CAPPED\x10\x04\x12\x18\n\x14\x43ONTACT_FLAG_INITIAL\x10\x08\x12\x1b\n\x17\x43ONTACT_FLAG_SEPARATING\x10\x10\x12#\n\x14\x43ONTACT_FLAG_COVERED\x10 \x1a\t\xba\xd7\x18\x05\x30.2.0\x12$\n\x15\x43ONTACT_FLAG_TOUCHING\x10@\x1a\t\xba\xd7\x18\x05\x30.2.0b\x06proto3')
+DESCRIPTOR = _descriptor_pool.Default().AddSerializedFile(b'\n\x19\x63ollided/v1/contact.proto\x12\x0b\x63ollided.v1\x1a\x1a\x63ollided/v1/added_in.proto\x1a\x1e\x63ollided/v1/shared_range.proto\"\xc2\x03\n\x0cSharedArrays\x12*\n\x08\x65lements\x18\x01 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12*\n\x08stencils\x18\x02 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12%\n\x03toi\x18\x03 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12*\n\x08\x64istance\x18\x04 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12)\n\x07weights\x18\x05 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12)\n\x07normals\x18\x06 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12\'\n\x05\x66lags\x18\x07 \x01(\x0b\x32\x18.collided.v1.SharedRange\x12(\n\x06worlds\x18\t \x01(\x0b\x32\x18.collided.v1.SharedRange\x12*\n\x08\x66\x65\x61tures\x18\n \x01(\x0b\x32\x18.collided.v1.SharedRange\x12\x32\n\x10signed_distances\x18\x0c \x01(\x0b\x32\x18.collided.v1.SharedRange\"\xa0\x02\n\x0c\x43ontactChunk\x12&\n\x04kind\x18\x01 \x01(\x0e\x32\x18.collided.v1.ContactKind\x12\r\n\x05\x63ount\x18\x02 \x01(\r\x12\x10\n\x08\x65lements\x18\x03 \x01(\x0c\x12\x10\n\x08stencils\x18\x04 \x01(\x0c\x12\x0b\n\x03toi\x18\x05 \x01(\x0c\x12\x10\n\x08\x64istance\x18\x06 \x01(\x0c\x12\x0f\n\x07weights\x18\x07 \x01(\x0c\x12\x0f\n\x07normals\x18\x08 \x01(\x0c\x12\r\n\x05\x66lags\x18\t \x01(\x0c\x12)\n\x06shared\x18\n \x01(\x0b\x32\x19.collided.v1.SharedArrays\x12\x0e\n\x06worlds\x18\x0b \x01(\x0c\x12\x10\n\x08\x66\x65\x61tures\x18\x0c \x01(\x0c\x12\x18\n\x10signed_distances\x18\x0e \x01(\x0c\"\\\n\tMeshPairs\x12\x0e\n\x06meshes\x18\x01 \x01(\x0c\x12\x0e\n\x06states\x18\x02 \x01(\x0c\x12\x0e\n\x06inside\x18\x03 \x01(\x0c\x12\x0f\n\x07\x64\x65\x65pest\x18\x04 \x01(\x0c\x12\x0e\n\x06\x64\x65pths\x18\x05 \x01(\x0c*\xe2\x01\n\x0b\x43ontactKind\x12\x1c\n\x18\x43ONTACT_KIND_UNSPECIFIED\x10\x00\x12 \n\x1c\x43ONTACT_KIND_VERTEX_TRIANGLE\x10\x01\x12\x1a\n\x16\x43ONTACT_KIND_EDGE_EDGE\x10\x02\x12\"\n\x1e\x43ONTACT_KIND_TRIANGLE_TRIANGLE\x10\x03\x12)\n\x1a\x43ONTACT_KIND_EDGE_TRIANGLE\x10\x04\x1a\t\xba\xd7\x18\x05\x30.2.0\x12(\n\x19\x43ONTACT_KIND_VERTEX_SOLID\x10\x05\x1a\t\xba\xd7\x18\x05\x30.2.0*\xe4\x02\n\x0c\x43ontactField\x12\x1d\n\x19\x43ONTACT_FIELD_UNSPECIFIED\x10\x00\x12\x1a\n\x16\x43ONTACT_FIELD_ELEMENTS\x10\x01\x12\x19\n\x15\x43ONTACT_FIELD_STENCIL\x10\x02\x12\x15\n\x11\x43ONTACT_FIELD_TOI\x10\x03\x12\x1a\n\x16\x43ONTACT_FIELD_DISTANCE\x10\x04\x12\x19\n\x15\x43ONTACT_FIELD_WEIGHTS\x10\x05\x12\x18\n\x14\x43ONTACT_FIELD_NORMAL\x10\x06\x12\x17\n\x13\x43ONTACT_FIELD_FLAGS\x10\x07\x12%\n\x16\x43ONTACT_FIELD_FEATURES\x10\x08\x1a\t\xba\xd7\x18\x05\x30.2.0\x12(\n\x19\x43ONTACT_FIELD_PAIR_STATES\x10\n\x1a\t\xba\xd7\x18\x05\x30.2.0\x12,\n\x1d\x43ONTACT_FIELD_SIGNED_DISTANCE\x10\x0b\x1a\t\xba\xd7\x18\x05\x30.2.0*\xf9\x01\n\x0b\x43ontactFlag\x12\x1c\n\x18\x43ONTACT_FLAG_UNSPECIFIED\x10\x00\x12\x1a\n\x16\x43ONTACT_FLAG_CERTIFIED\x10\x01\x12\x15\n\x11\x43ONTACT_FLAG_NEAR\x10\x02\x12\x17\n\x13\x43ONTACT_FLAG_CAPPED\x10\x04\x12\x18\n\x14\x43ONTACT_FLAG_INITIAL\x10\x08\x12\x1b\n\x17\x43ONTACT_FLAG_SEPARATING\x10\x10\x12#\n\x14\x43ONTACT_FLAG_COVERED\x10 \x1a\t\xba\xd7\x18\x05\x30.2.0\x12$\n\x15\x43ONTACT_FLAG_TOUCHING\x10@\x1a\t\xba\xd7\x18\x05\x30.2.0*\xb4\x01\n\rMeshPairState\x12\x1f\n\x1bMESH_PAIR_STATE_UNSPECIFIED\x10\x00\x12\x1c\n\x18MESH_PAIR_STATE_TOUCHING\x10\x01\x12\x1f\n\x1bMESH_PAIR_STATE_OVERLAPPING\x10\x02\x12 \n\x1cMESH_PAIR_STATE_FIRST_INSIDE\x10\x03\x12!\n\x1dMESH_PAIR_STATE_SECOND_INSIDE\x10\x04\x62\x06proto3')
 
 _builder.BuildMessageAndEnumDescriptors(DESCRIPTOR, globals())
 _builder.BuildTopDescriptorsAndMessages(DESCRIPTOR, 'collided.v1.contact_pb2', globals())
@@ -24,20 +24,30 @@ if _descriptor._USE_C_DESCRIPTORS == False:
   DESCRIPTOR._options = None
   _CONTACTKIND.values_by_name["CONTACT_KIND_EDGE_TRIANGLE"]._options = None
   _CONTACTKIND.values_by_name["CONTACT_KIND_EDGE_TRIANGLE"]._serialized_options = b'\272\327\030\0050.2.0'
+  _CONTACTKIND.values_by_name["CONTACT_KIND_VERTEX_SOLID"]._options = None
+  _CONTACTKIND.values_by_name["CONTACT_KIND_VERTEX_SOLID"]._serialized_options = b'\272\327\030\0050.2.0'
   _CONTACTFIELD.values_by_name["CONTACT_FIELD_FEATURES"]._options = None
   _CONTACTFIELD.values_by_name["CONTACT_FIELD_FEATURES"]._serialized_options = b'\272\327\030\0050.2.0'
+  _CONTACTFIELD.values_by_name["CONTACT_FIELD_PAIR_STATES"]._options = None
+  _CONTACTFIELD.values_by_name["CONTACT_FIELD_PAIR_STATES"]._serialized_options = b'\272\327\030\0050.2.0'
+  _CONTACTFIELD.values_by_name["CONTACT_FIELD_SIGNED_DISTANCE"]._options = None
+  _CONTACTFIELD.values_by_name["CONTACT_FIELD_SIGNED_DISTANCE"]._serialized_options = b'\272\327\030\0050.2.0'
   _CONTACTFLAG.values_by_name["CONTACT_FLAG_COVERED"]._options = None
   _CONTACTFLAG.values_by_name["CONTACT_FLAG_COVERED"]._serialized_options = b'\272\327\030\0050.2.0'
   _CONTACTFLAG.values_by_name["CONTACT_FLAG_TOUCHING"]._options = None
   _CONTACTFLAG.values_by_name["CONTACT_FLAG_TOUCHING"]._serialized_options = b'\272\327\030\0050.2.0'
-  _CONTACTKIND._serialized_start=769
-  _CONTACTKIND._serialized_end=953
-  _CONTACTFIELD._serialized_start=956
-  _CONTACTFIELD._serialized_end=1224
-  _CONTACTFLAG._serialized_start=1227
-  _CONTACTFLAG._serialized_end=1476
+  _CONTACTKIND._serialized_start=941
+  _CONTACTKIND._serialized_end=1167
+  _CONTACTFIELD._serialized_start=1170
+  _CONTACTFIELD._serialized_end=1526
+  _CONTACTFLAG._serialized_start=1529
+  _CONTACTFLAG._serialized_end=1778
+  _MESHPAIRSTATE._serialized_start=1781
+  _MESHPAIRSTATE._serialized_end=1961
   _SHAREDARRAYS._serialized_start=103
-  _SHAREDARRAYS._serialized_end=501
-  _CONTACTCHUNK._serialized_start=504
-  _CONTACTCHUNK._serialized_end=766
+  _SHAREDARRAYS._serialized_end=553
+  _CONTACTCHUNK._serialized_start=556
+  _CONTACTCHUNK._serialized_end=844
+  _MESHPAIRS._serialized_start=846
+  _MESHPAIRS._serialized_end=938
 # @@protoc_insertion_point(module_scope)

@@ -50,7 +50,7 @@ class Frame(_message.Message):
     def __init__(self, frame_id: _Optional[int] = ..., accuracy: _Optional[_Union[_scene_pb2.Accuracy, str]] = ..., updates: _Optional[_Iterable[_Union[MeshUpdate, _Mapping]]] = ..., delta: _Optional[float] = ..., report: _Optional[_Union[_scene_pb2.Report, str]] = ..., ignore_separating: bool = ..., advance: bool = ..., trial: bool = ..., from_last_fraction: _Optional[float] = ..., mode: _Optional[_Union[_scene_pb2.DetectionMode, str]] = ..., edit: _Optional[_Union[_scene_pb2.SceneEdit, _Mapping]] = ..., worlds: _Optional[_Iterable[int]] = ..., meshes: _Optional[_Iterable[int]] = ..., advance_mode: _Optional[_Union[AdvanceMode, str]] = ..., limits: bool = ...) -> None: ...
 
 class FrameDone(_message.Message):
-    __slots__ = ["advanced", "any_contact", "contact_count", "contacts", "earliest_toi", "limits", "metrics", "shortened", "way"]
+    __slots__ = ["advanced", "any_contact", "contact_count", "contacts", "earliest_toi", "limits", "metrics", "pairs", "shortened", "way"]
     ADVANCED_FIELD_NUMBER: _ClassVar[int]
     ANY_CONTACT_FIELD_NUMBER: _ClassVar[int]
     CONTACTS_FIELD_NUMBER: _ClassVar[int]
@@ -58,6 +58,7 @@ class FrameDone(_message.Message):
     EARLIEST_TOI_FIELD_NUMBER: _ClassVar[int]
     LIMITS_FIELD_NUMBER: _ClassVar[int]
     METRICS_FIELD_NUMBER: _ClassVar[int]
+    PAIRS_FIELD_NUMBER: _ClassVar[int]
     SHORTENED_FIELD_NUMBER: _ClassVar[int]
     WAY_FIELD_NUMBER: _ClassVar[int]
     advanced: float
@@ -67,9 +68,10 @@ class FrameDone(_message.Message):
     earliest_toi: float
     limits: _containers.RepeatedCompositeFieldContainer[_contact_pb2.ContactChunk]
     metrics: _metrics_pb2.FrameMetrics
+    pairs: _contact_pb2.MeshPairs
     shortened: ShortenedWays
     way: float
-    def __init__(self, metrics: _Optional[_Union[_metrics_pb2.FrameMetrics, _Mapping]] = ..., contact_count: _Optional[int] = ..., earliest_toi: _Optional[float] = ..., any_contact: bool = ..., contacts: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ..., advanced: _Optional[float] = ..., way: _Optional[float] = ..., shortened: _Optional[_Union[ShortenedWays, _Mapping]] = ..., limits: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ...) -> None: ...
+    def __init__(self, metrics: _Optional[_Union[_metrics_pb2.FrameMetrics, _Mapping]] = ..., contact_count: _Optional[int] = ..., earliest_toi: _Optional[float] = ..., any_contact: bool = ..., contacts: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ..., advanced: _Optional[float] = ..., pairs: _Optional[_Union[_contact_pb2.MeshPairs, _Mapping]] = ..., way: _Optional[float] = ..., shortened: _Optional[_Union[ShortenedWays, _Mapping]] = ..., limits: _Optional[_Iterable[_Union[_contact_pb2.ContactChunk, _Mapping]]] = ...) -> None: ...
 
 class FrameError(_message.Message):
     __slots__ = ["code", "field", "message", "retry_after_seconds"]

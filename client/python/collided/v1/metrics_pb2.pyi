@@ -28,7 +28,7 @@ REUSE_REASON_UNSPECIFIED: ReuseReason
 REUSE_REASON_UNSUITED: ReuseReason
 
 class FrameCounts(_message.Message):
-    __slots__ = ["base_level", "candidates_edge_edge", "candidates_vertex_triangle", "cells", "contacts_edge_edge", "contacts_edge_triangle", "contacts_triangle_triangle", "contacts_vertex_triangle", "exact_decisions", "leaves", "pairs", "registrations", "survivors_edge_edge", "survivors_vertex_triangle", "tests", "top_level"]
+    __slots__ = ["base_level", "candidates_edge_edge", "candidates_vertex_triangle", "cells", "contacts_edge_edge", "contacts_edge_triangle", "contacts_triangle_triangle", "contacts_vertex_solid", "contacts_vertex_triangle", "exact_decisions", "inside_out", "leaves", "pairs", "registrations", "survivors_edge_edge", "survivors_vertex_triangle", "tests", "top_level"]
     BASE_LEVEL_FIELD_NUMBER: _ClassVar[int]
     CANDIDATES_EDGE_EDGE_FIELD_NUMBER: _ClassVar[int]
     CANDIDATES_VERTEX_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
@@ -36,8 +36,10 @@ class FrameCounts(_message.Message):
     CONTACTS_EDGE_EDGE_FIELD_NUMBER: _ClassVar[int]
     CONTACTS_EDGE_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
     CONTACTS_TRIANGLE_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
+    CONTACTS_VERTEX_SOLID_FIELD_NUMBER: _ClassVar[int]
     CONTACTS_VERTEX_TRIANGLE_FIELD_NUMBER: _ClassVar[int]
     EXACT_DECISIONS_FIELD_NUMBER: _ClassVar[int]
+    INSIDE_OUT_FIELD_NUMBER: _ClassVar[int]
     LEAVES_FIELD_NUMBER: _ClassVar[int]
     PAIRS_FIELD_NUMBER: _ClassVar[int]
     REGISTRATIONS_FIELD_NUMBER: _ClassVar[int]
@@ -52,8 +54,10 @@ class FrameCounts(_message.Message):
     contacts_edge_edge: int
     contacts_edge_triangle: int
     contacts_triangle_triangle: int
+    contacts_vertex_solid: int
     contacts_vertex_triangle: int
     exact_decisions: int
+    inside_out: int
     leaves: int
     pairs: int
     registrations: int
@@ -61,7 +65,7 @@ class FrameCounts(_message.Message):
     survivors_vertex_triangle: int
     tests: int
     top_level: int
-    def __init__(self, cells: _Optional[int] = ..., leaves: _Optional[int] = ..., top_level: _Optional[int] = ..., base_level: _Optional[int] = ..., registrations: _Optional[int] = ..., tests: _Optional[int] = ..., pairs: _Optional[int] = ..., candidates_vertex_triangle: _Optional[int] = ..., candidates_edge_edge: _Optional[int] = ..., contacts_vertex_triangle: _Optional[int] = ..., contacts_edge_edge: _Optional[int] = ..., contacts_triangle_triangle: _Optional[int] = ..., survivors_vertex_triangle: _Optional[int] = ..., survivors_edge_edge: _Optional[int] = ..., exact_decisions: _Optional[int] = ..., contacts_edge_triangle: _Optional[int] = ...) -> None: ...
+    def __init__(self, cells: _Optional[int] = ..., leaves: _Optional[int] = ..., top_level: _Optional[int] = ..., base_level: _Optional[int] = ..., registrations: _Optional[int] = ..., tests: _Optional[int] = ..., pairs: _Optional[int] = ..., candidates_vertex_triangle: _Optional[int] = ..., candidates_edge_edge: _Optional[int] = ..., contacts_vertex_triangle: _Optional[int] = ..., contacts_edge_edge: _Optional[int] = ..., contacts_triangle_triangle: _Optional[int] = ..., survivors_vertex_triangle: _Optional[int] = ..., survivors_edge_edge: _Optional[int] = ..., exact_decisions: _Optional[int] = ..., contacts_edge_triangle: _Optional[int] = ..., contacts_vertex_solid: _Optional[int] = ..., inside_out: _Optional[int] = ...) -> None: ...
 
 class FrameMetrics(_message.Message):
     __slots__ = ["all_pairs_milliseconds", "allocations", "broad_phase_engine", "broad_phase_reason", "bytes_in", "bytes_out", "counts", "decode_milliseconds", "device_bytes", "encode_milliseconds", "engine_milliseconds", "graph_launches", "lbvh_milliseconds", "list_frames", "list_margin", "list_milliseconds", "list_use", "octree_milliseconds", "parts", "queue_milliseconds", "replays", "reuse_reason", "search_milliseconds", "stages", "step_milliseconds", "total_milliseconds", "unused_options", "warnings"]

@@ -74,7 +74,7 @@ class MeshPair(_message.Message):
     def __init__(self, first: _Optional[int] = ..., second: _Optional[int] = ...) -> None: ...
 
 class MeshSpec(_message.Message):
-    __slots__ = ["collide_mask", "edge_count", "edges", "exclude_rest_pairs", "exclude_rings", "groups", "half_thickness", "motion", "name", "no_self_contacts", "point_count", "points", "triangle_count", "triangles", "vertex_count"]
+    __slots__ = ["collide_mask", "edge_count", "edges", "exclude_rest_pairs", "exclude_rings", "groups", "half_thickness", "motion", "name", "no_self_contacts", "point_count", "points", "solid", "triangle_count", "triangles", "vertex_count"]
     COLLIDE_MASK_FIELD_NUMBER: _ClassVar[int]
     EDGES_FIELD_NUMBER: _ClassVar[int]
     EDGE_COUNT_FIELD_NUMBER: _ClassVar[int]
@@ -87,6 +87,7 @@ class MeshSpec(_message.Message):
     NO_SELF_CONTACTS_FIELD_NUMBER: _ClassVar[int]
     POINTS_FIELD_NUMBER: _ClassVar[int]
     POINT_COUNT_FIELD_NUMBER: _ClassVar[int]
+    SOLID_FIELD_NUMBER: _ClassVar[int]
     TRIANGLES_FIELD_NUMBER: _ClassVar[int]
     TRIANGLE_COUNT_FIELD_NUMBER: _ClassVar[int]
     VERTEX_COUNT_FIELD_NUMBER: _ClassVar[int]
@@ -102,10 +103,11 @@ class MeshSpec(_message.Message):
     no_self_contacts: bool
     point_count: int
     points: bytes
+    solid: bool
     triangle_count: int
     triangles: bytes
     vertex_count: int
-    def __init__(self, name: _Optional[str] = ..., vertex_count: _Optional[int] = ..., motion: _Optional[_Union[MeshMotion, str]] = ..., groups: _Optional[int] = ..., collide_mask: _Optional[int] = ..., no_self_contacts: bool = ..., triangle_count: _Optional[int] = ..., triangles: _Optional[bytes] = ..., exclude_rings: _Optional[int] = ..., exclude_rest_pairs: bool = ..., edges: _Optional[bytes] = ..., points: _Optional[bytes] = ..., edge_count: _Optional[int] = ..., point_count: _Optional[int] = ..., half_thickness: _Optional[float] = ...) -> None: ...
+    def __init__(self, name: _Optional[str] = ..., vertex_count: _Optional[int] = ..., motion: _Optional[_Union[MeshMotion, str]] = ..., groups: _Optional[int] = ..., collide_mask: _Optional[int] = ..., no_self_contacts: bool = ..., triangle_count: _Optional[int] = ..., triangles: _Optional[bytes] = ..., exclude_rings: _Optional[int] = ..., exclude_rest_pairs: bool = ..., edges: _Optional[bytes] = ..., points: _Optional[bytes] = ..., edge_count: _Optional[int] = ..., point_count: _Optional[int] = ..., half_thickness: _Optional[float] = ..., solid: bool = ...) -> None: ...
 
 class QuantizationBox(_message.Message):
     __slots__ = ["lower", "upper"]

@@ -242,8 +242,8 @@ class TheLibrary(unittest.TestCase):
             self.assertEqual(library.find_library(), f"{folder}/lib/libcollided.so.1")
 
     def test_structures_are_those_of_the_header(self):
-        sizes = {"Mesh": 96, "SceneSpec": 144, "DeviceInfo": 160, "Topology": 72, "Update": 80, "Frame": 112, "Contacts": 80,
-                 "Facts": 240}
+        sizes = {"Mesh": 104, "SceneSpec": 144, "DeviceInfo": 160, "Topology": 72, "Update": 80, "Frame": 112, "Contacts": 88,
+                 "Facts": 264, "MeshPair": 40}
         for name, size in sizes.items():
             self.assertEqual(ctypes.sizeof(getattr(library, name)), size, name)
 

@@ -38,6 +38,7 @@ sys.path.insert(0, str(newer_package(pathlib.Path(FOLDER.name))))
 
 import collided
 import compatibility
+import numpy as np
 from collided.connection.features import Features, additions
 from collided.options import FIELDS
 from collided.v1 import collision_service_pb2 as api
@@ -112,13 +113,16 @@ class NewerClient(unittest.TestCase):
 
     def test_all_fields_of_contacts_are_those_that_the_daemon_knows(self):
         self.client.connect().features = Features(api.GetServerInfoResponse(version="0.1.0"), "here")
-        known = [field for field in FIELDS if field != "features"]
+        known = [field for field in FIELDS if field not in ("features", "signed_distance")]
         with collided.Session(meshes(), server=self.client, mode="dcd_and_ccd", thickness=0.5) as session:
             asked = self.client.get_scene(session.scene.id).spec.fields
             self.assertEqual([ContactField.Name(field) for field in asked], [f"CONTACT_FIELD_{field.upper()}" for field in known])
             self.assertEqual(len(session.step({"tip": lowered(0.75)}, mode="dcd").kept), 1)
         with self.assertRaisesRegex(collided.Unimplemented, r"spec\.fields\[0\] = CONTACT_FIELD_FEATURES needs a daemon of release 0\.2\.0"):
             collided.Scene(meshes(), server=self.client, fields=["features"])
+        solid = {"body": collided.Mesh(np.eye(4)[:, :3], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], solid=True)}
+        with self.assertRaisesRegex(collided.Unimplemented, r"spec\.meshes\[0\]\.solid needs a daemon of release 0\.2\.0"):
+            collided.Scene(solid, server=self.client, mode="dcd")
 
     def test_a_daemon_that_knows_it_is_asked(self):
         features = Features(api.GetServerInfoResponse(version="99.0.0", features=sorted(additions())), "here")

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/convert/chunks.hpp"
+#include "server/convert/mesh_pairs.hpp"
 #include "server/frames/answer.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 #include "tests/support/every_field.hpp"
@@ -43,7 +44,8 @@ std::vector<pb::ContactChunk> chunks_of(const std::vector<EncodedMessage>& messa
 
 size_t array_bytes(const pb::ContactChunk& chunk) {
   return chunk.elements().size() + chunk.stencils().size() + chunk.toi().size() + chunk.distance().size() +
-         chunk.weights().size() + chunk.normals().size() + chunk.flags().size() + chunk.features().size();
+         chunk.weights().size() + chunk.normals().size() + chunk.flags().size() + chunk.features().size() +
+         chunk.signed_distances().size();
 }
 
 class FrameEncode : public testing::Test {
@@ -56,7 +58,7 @@ class FrameEncode : public testing::Test {
   // Contacts that are all different; ids are those of the tip scene.
   static ContactSet contacts(uint32_t count, uint32_t firsts, uint32_t seconds) {
     std::vector<std::array<uint32_t, 2>> elements;
-    std::vector<double> toi, distance;
+    std::vector<double> toi, distance, with_sign;
     std::vector<std::array<double, 2>> weights;
     std::vector<Normal> normals;
     std::vector<uint8_t> flags, features;
@@ -64,12 +66,13 @@ class FrameEncode : public testing::Test {
       elements.push_back({i % firsts, i / firsts % seconds});
       toi.push_back(1.0 / (i + 1));
       distance.push_back(0.5 * i);
+      with_sign.push_back(-0.25 * i);
       weights.push_back({0.25 * i, 0.125 * i});
       normals.push_back({0.5f * static_cast<float>(i), 1, 2});
       flags.push_back(static_cast<uint8_t>(i % 16));
       features.push_back(static_cast<uint8_t>(i % 128));
     }
-    return {{elements, toi, distance, weights, normals, flags, features}};
+    return {{elements, toi, distance, weights, normals, flags, features, with_sign}};
   }
   static std::shared_ptr<AnsweredFrame> frame(uint32_t vertex_triangle, uint32_t edge_edge,
                                               uint32_t triangle_triangle) {
@@ -79,7 +82,8 @@ class FrameEncode : public testing::Test {
     frame->result.vertex_triangle = contacts(vertex_triangle, 6, 2);
     frame->result.edge_edge = contacts(edge_edge, 6, 6);
     auto& pairs = frame->result.triangle_triangle = contacts(triangle_triangle, 1, 2);
-    pairs.toi = {}, pairs.distance = {}, pairs.weights = {}, pairs.normals = {}, pairs.features = {};
+    pairs.toi = {}, pairs.distance = {}, pairs.weights = {}, pairs.normals = {}, pairs.features = {},
+    pairs.signed_distance = {};
     frame->result.any_contact = true;
     return frame;
   }
@@ -163,6 +167,35 @@ TEST_F(FrameEncode, NoShortenedWayIsLostAndMessagesStayBelowTheBound) {
       EXPECT_EQ(ids, std::string(reinterpret_cast<const char*>(ways.ids.data()), 4 * count));
       EXPECT_EQ(fractions, std::string(reinterpret_cast<const char*>(ways.fractions.data()), 8 * count));
       EXPECT_EQ(answer->cost.bytes_out, 12 * count + hits * kAllFields.contact_bytes());
+    }
+}
+
+TEST_F(FrameEncode, NoPairOfMeshesIsLostAndMessagesStayBelowTheBound) {
+  constexpr size_t kMax = 10'000;
+  const auto scene = scene_with(kAllFields);
+  for (const uint32_t count : {0u, 1u, 5u, 344u, 345u, 688u, 5000u})
+    for (const uint32_t hits : {0u, 1u, 500u}) {
+      const auto answer = frame(hits, 0, 0);
+      for (uint32_t i = 0; i < count; ++i)
+        answer->result.pair_states.push_back({.first = i, .second = i + 1, .deepest = 3 * i, .depth = 1 / (i + 2.0)});
+      pb::MeshPairs expected, came;
+      fill_pairs(answer->result.pair_states, &expected);
+      const auto add = [&](const pb::MeshPairs& some) {
+        *came.mutable_meshes() += some.meshes(), *came.mutable_states() += some.states();
+        *came.mutable_inside() += some.inside(), *came.mutable_deepest() += some.deepest();
+        *came.mutable_depths() += some.depths();
+        return some.meshes().size() / 8 * kPairStateBytes;
+      };
+      const auto messages = encode_answer(*scene, answer, kMax);
+      for (const auto& message : messages) {
+        const auto response = parse(message);
+        size_t bytes = array_bytes(response.contacts()) + add(response.pairs()) + add(response.done().pairs());
+        for (const auto& chunk : response.done().contacts()) bytes += array_bytes(chunk);
+        EXPECT_LE(bytes, kMax);
+      }
+      EXPECT_EQ(messages.size() == 1, answer->cost.bytes_out <= kMax) << count << " " << hits;
+      EXPECT_EQ(came.SerializeAsString(), expected.SerializeAsString()) << count << " " << hits;
+      EXPECT_EQ(answer->cost.bytes_out, kPairStateBytes * count + hits * kAllFields.contact_bytes());
     }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "proto/constants.hpp"
+#include "server/convert/mesh_pairs.hpp"
 #include "tests/server/scenes/tiny_scene.hpp"
 
 namespace collided::server {
@@ -80,6 +81,33 @@ TEST(LocalAnswer, LimitsTakeAsManyPacketsAsTheyNeed) {
     EXPECT_EQ(came, std::string(reinterpret_cast<const char*>(toi.data()), 8 * size_t{count}));
     EXPECT_EQ(stencils, count);
   }
+}
+
+TEST(LocalAnswer, PairsOfMeshesTakeAsManyPacketsAsTheyNeed) {
+  SceneBench bench;
+  const SceneUse scene = bench.add();
+  for (const uint32_t count : {0u, 1u, 100u, 1694u, 1695u, 3388u, 100'000u})
+    for (const uint32_t hits : {0u, 1u, 5000u}) {
+      AnsweredFrame frame = frame_with(0, hits);
+      for (uint32_t i = 0; i < count; ++i)
+        frame.result.pair_states.push_back({.first = i, .second = i + 1, .deepest = 2 * i});
+      pb::MeshPairs expected;
+      fill_pairs(frame.result.pair_states, &expected);
+      std::string meshes, deepest;
+      uint64_t contacts = 0;
+      const std::vector<std::string> packets = AnswerWriter(nullptr, 2).write(*scene, frame);
+      for (const std::string& packet : packets) {
+        const pb::StreamFramesResponse response = parse(packet);
+        meshes += response.pairs().meshes() + response.done().pairs().meshes();
+        deepest += response.pairs().deepest() + response.done().pairs().deepest();
+        contacts += response.contacts().count();
+        for (const pb::ContactChunk& chunk : response.done().contacts()) contacts += chunk.count();
+      }
+      EXPECT_EQ(packets.size() == 1, hits <= 1 && count <= (hits == 0 ? 1694u : 100u)) << count << " " << hits;
+      EXPECT_EQ(meshes, expected.meshes());
+      EXPECT_EQ(deepest, expected.deepest());
+      EXPECT_EQ(contacts, hits);
+    }
 }
 
 }  // namespace
