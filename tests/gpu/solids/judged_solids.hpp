@@ -18,7 +18,7 @@ SolidsScene placed(SolidsScene scene, double scale, double by);
 /// What was judged of answers.
 struct Tally {
   std::array<uint64_t, 4> states = {};
-  uint64_t apart = 0, inside = 0, on = 0, deep = 0, inside_out = 0, rivals = 0;
+  uint64_t apart = 0, open = 0, inside = 0, on = 0, deep = 0, inside_out = 0, rivals = 0;
   long double ulps = 0, place = 0, normal = 0;  ///< the farthest off: depths, their places and directions
 
   void print(const char* of) const;

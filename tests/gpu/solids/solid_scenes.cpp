@@ -68,13 +68,13 @@ Body RandomBodies::tetrahedron(int size) {
   do corners = {point(size), point(size), point(size), point(size)};
   while (volume6(corners) == 0);
   const Shape shape = test::tetrahedron(corners);
-  return {shape, {shape}};
+  return {shape, {{shape}}};
 }
 Body RandomBodies::convex(int size) {
   const int kind = below(3);
   if (kind == 0) return tetrahedron(size);
   const auto [lo, hi] = corners(size);
-  if (kind == 1) return {box(lo, hi), {box(lo, hi)}};
+  if (kind == 1) return {box(lo, hi), {{box(lo, hi)}}};
   Shape octahedron;  // lower x, upper x, lower y, ... around a point within
   Vec3d centre;
   for (size_t k = 0; k < 3; ++k) centre[k] = lo[k] + (hi[k] - lo[k] > 1 ? 1 : 0.5);
@@ -87,7 +87,7 @@ Body RandomBodies::convex(int size) {
     if (((i & 1) + (i >> 1 & 1) + (i >> 2 & 1)) % 2 == 0) std::swap(t[1], t[2]);
     octahedron.triangles.push_back(t);
   }
-  return {octahedron, {octahedron}};
+  return {octahedron, {{octahedron}}};
 }
 Body RandomBodies::cells(int size) {
   std::vector<Cell> cells;
@@ -97,7 +97,7 @@ Body RandomBodies::cells(int size) {
         if (below(3) != 0) cells.push_back({x, y, z});
   if (cells.empty()) cells.push_back({0, 0, 0});
   Body body{border_of(cells), {}};
-  for (const Cell& cell : cells) body.pieces.push_back(cube_at(cell));
+  for (const Cell& cell : cells) body.pieces.within.push_back(cube_at(cell));
   return body;
 }
 Body RandomBodies::two_boxes(int size, bool is_inside_out) {
@@ -113,8 +113,9 @@ Body RandomBodies::two_boxes(int size, bool is_inside_out) {
     for (int y = 0; y < size; ++y)
       for (int z = 0; z < size; ++z) {
         const Cell cell{x, y, z};
-        if (winding_of(first, cell) + (is_inside_out ? -1 : 1) * winding_of(second, cell) > 0)
-          body.pieces.push_back(cube_at(cell));
+        const int winding = winding_of(first, cell) + (is_inside_out ? -1 : 1) * winding_of(second, cell);
+        if (winding > 0) body.pieces.within.push_back(cube_at(cell));
+        if (is_inside_out && winding_of(second, cell) > 0) body.pieces.inside_out.push_back(cube_at(cell));
       }
   return body;
 }
@@ -138,7 +139,10 @@ MeshSpec RandomBodies::loose(int size, Positions& positions) {
     for (int i = below(3); i >= 0; --i) mesh.triangles.push_back({first, second, add()});
   }
   if (kind == 1 || kind == 2) mesh.edges.push_back({second, add()});
-  if (kind >= 2) mesh.points.push_back(add());
+  if (kind >= 2) {
+    mesh.points.push_back(add());
+    for (size_t k = 0; k < 3; ++k) positions.back()[k] += 0.25;  // on no face of a box
+  }
   mesh.vertex_count = static_cast<uint32_t>(positions.size());
   return mesh;
 }
@@ -165,7 +169,8 @@ Body moved(Body body, const Vec3d& by, double scale) {
       for (size_t k = 0; k < 3; ++k) p[k] = scale * (p[k] + by[k]);
   };
   move(body.surface);
-  for (Shape& piece : body.pieces) move(piece);
+  for (auto* some : {&body.pieces.within, &body.pieces.inside_out})
+    for (Shape& piece : *some) move(piece);
   return body;
 }
 

@@ -27,8 +27,9 @@ int lowest_bit(const SolidsScene& scene) {
         if (x != 0) lowest = std::min(lowest, lowest_bit(x));
   };
   for (const Positions& mesh : scene.c.end) add(mesh);
-  for (const auto& pieces : scene.pieces)
-    for (const Shape& piece : pieces) add(piece.positions);
+  for (const Pieces& pieces : scene.pieces)
+    for (const auto* some : {&pieces.within, &pieces.inside_out})
+      for (const Shape& piece : *some) add(piece.positions);
   return lowest == 1024 ? 0 : lowest;
 }
 /// In units of 2^exponent.
@@ -92,7 +93,7 @@ struct Mesh {
   uint32_t first_triangle = 0;  ///< scene-wide id
   std::set<uint32_t> used;      ///< vertices, scene-wide
   std::set<std::array<uint32_t, 2>> edges;
-  std::vector<Convex<N>> pieces;
+  std::vector<Convex<N>> within, inside_out;
   Bounds<N> bounds;
 };
 
@@ -202,11 +203,16 @@ class Judge : public SolidsJudge {
     mesh_of_element_.resize(mesh_of_element_.size() + mesh.elements.size(), static_cast<uint32_t>(m));
     if (!mesh.used.empty()) mesh.bounds = bounds_of({points_[*mesh.used.begin()]});
     for (const uint32_t v : mesh.used) mesh.bounds.add(points_[v]);
-    for (const Shape& piece : scene_.pieces[m]) {
+    mesh.within = convex_of(scene_.pieces[m].within), mesh.inside_out = convex_of(scene_.pieces[m].inside_out);
+  }
+  std::vector<Convex<N>> convex_of(const std::vector<Shape>& pieces) const {
+    std::vector<Convex<N>> out;
+    for (const Shape& piece : pieces) {
       std::vector<Vector<N>> corners;
       for (const Vec3d& p : piece.positions) corners.push_back(as_integers<N>(p, unit_));
-      mesh.pieces.emplace_back(corners, piece.triangles);
+      out.emplace_back(corners, piece.triangles);
     }
+    return out;
   }
   Triangle<N> triangle(const Element& e) const { return {points_[e[0]], points_[e[1]], points_[e[2]]}; }
   const Element& element(uint32_t id) const {
@@ -226,10 +232,14 @@ class Judge : public SolidsJudge {
   void judge_pair(uint32_t i, uint32_t j, JudgedSolids& judged) const {
     const uint32_t of_first = count_inside(i, j, judged), of_second = count_inside(j, i, judged);
     const Mesh<N>&first = meshes_[i], &second = meshes_[j];
-    const auto add = [&](PairState state) { judged.pairs.push_back({i, j, state, of_first, of_second}); };
-    if (touch(first, second))
-      return add(of_first + of_second > 0 || meet_in_more(first, second) ? PairState::kOverlapping
-                                                                         : PairState::kTouching);
+    const auto add = [&](PairState state, bool is_open = false) {
+      judged.pairs.push_back({i, j, state, of_first, of_second, is_open});
+    };
+    if (touch(first, second)) {
+      if (of_first + of_second > 0) return add(PairState::kOverlapping);
+      return add(meet_in_more(first, second) ? PairState::kOverlapping : PairState::kTouching,
+                 meet_inside_out(first, second));
+    }
     if (of_first + of_second == 0) return void(++judged.apart);
     if (of_first == first.used.size() && of_second == 0) return add(PairState::kFirstInside);
     if (of_second == second.used.size() && of_first == 0) return add(PairState::kSecondInside);
@@ -290,12 +300,18 @@ class Judge : public SolidsJudge {
              });
     });
   }
+  static bool have_in_common(const std::vector<Convex<N>>& first, const std::vector<Convex<N>>& second) {
+    return std::ranges::any_of(first, [&](const Convex<N>& a) {
+      return std::ranges::any_of(second, [&](const Convex<N>& b) { return have_volume_in_common(a, b); });
+    });
+  }
+  static bool meet_inside_out(const Mesh<N>& first, const Mesh<N>& second) {
+    return have_in_common(first.inside_out, second.within) || have_in_common(first.within, second.inside_out) ||
+           have_in_common(first.inside_out, second.inside_out);
+  }
   /// A volume, or elements that go through each other.
   bool meet_in_more(const Mesh<N>& first, const Mesh<N>& second) const {
-    if (first.is_solid && second.is_solid)
-      return std::ranges::any_of(first.pieces, [&](const Convex<N>& a) {
-        return std::ranges::any_of(second.pieces, [&](const Convex<N>& b) { return have_volume_in_common(a, b); });
-      });
+    if (first.is_solid && second.is_solid) return have_in_common(first.within, second.within);
     return any_pair(first.is_solid ? second : first, first.is_solid ? first : second,
                     [&](const Element& e, const Triangle<N>& t) {
                       if (e.size() == 2) return goes_through(points_[e[0]], points_[e[1]], t);
@@ -359,7 +375,7 @@ class Judge : public SolidsJudge {
   }
   /// Of a feature that only touches a solid: whether some of its points, of many, are inside and some outside.
   bool is_on_both_sides(const Element& e, const Mesh<N>& solid) const {
-    constexpr int kSteps = 8;
+    constexpr int kSteps = 4;
     bool is_inside = false, is_outside = false;
     for (int i = 0; i <= kSteps; ++i)
       for (int j = 0; i + j <= kSteps; ++j) {

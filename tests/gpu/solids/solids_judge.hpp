@@ -11,16 +11,20 @@
 
 namespace collided::test {
 
-/// A surface, and convex bodies that together are where its winding number is 1 or more.
+/// Convex bodies that together are where a surface's winding number is 1 or more, and those that a part of it which is inside
+/// out takes away.
+struct Pieces {
+  std::vector<Shape> within, inside_out = {};
+};
 struct Body {
   Shape surface;
-  std::vector<Shape> pieces;
+  Pieces pieces;
 };
 
 /// A case, and of each mesh the pieces of its body; none of a mesh that is no solid.
 struct SolidsScene {
   Case c;
-  std::vector<std::vector<Shape>> pieces;
+  std::vector<Pieces> pieces;
   std::vector<std::array<uint32_t, 2>> excluded;
 };
 
@@ -33,6 +37,9 @@ struct JudgedPair {
   uint32_t first, second;
   PairState state;
   uint32_t first_inside, second_inside;
+  /// They touch, or overlap without a vertex inside, and a part that is inside out has a volume in common with the other
+  /// mesh: either may be said.
+  bool is_open;
 };
 struct JudgedSolids {
   std::vector<JudgedInside> inside;  ///< by vertex, then mesh

@@ -74,12 +74,16 @@ class LivingSolids {
     return moved(random_.shuffled(body), {0.0 + random_.below(5), 0.0 + random_.below(5), 0.0 + random_.below(5)});
   }
   void remove(uint32_t m) {
-    scene_.c.meshes[m] = {}, scene_.c.end[m].clear(), scene_.pieces[m].clear();
+    scene_.c.meshes[m] = {}, scene_.c.end[m].clear(), scene_.pieces[m] = {};
     edit_.meshes.push_back({m, {}});
+    forget(m);
+  }
+  void forget(uint32_t m) {
+    std::erase_if(updates_, [&](const OwnedUpdate& update) { return update.mesh == m; });
   }
   /// Names the mesh in the next frame.
   void name(uint32_t m) {
-    std::erase_if(updates_, [&](const OwnedUpdate& update) { return update.mesh == m; });
+    forget(m);
     updates_.push_back({.mesh = m, .end = pack(scene_.c.end[m], scalar_)});
   }
 
@@ -137,7 +141,7 @@ TEST_F(SolidsLife, RigidTurns) {
     for (MeshSpec& mesh : scene.c.meshes) mesh.motion = MeshMotion::kRigid;
     const auto detector = Detector::create(spec_of(scene, looking_into_solids(Accuracy::kExact, scalar)));
     detector->detect(Frame(scene.c, Mode::kDcd, scalar).input());
-    for (int frame = 1; frame <= 12; ++frame) {
+    for (int frame = 1; frame <= 4; ++frame) {
       std::vector<OwnedUpdate> updates;
       for (uint32_t m = 0; m < 12; ++m) {
         const auto rows = pose_of(0.3 * frame * random.real(), {random.real(), random.real(), random.real()});
@@ -154,7 +158,7 @@ TEST_F(SolidsLife, RigidTurns) {
         if (scalar == Scalar::kF64) std::memcpy(&x, bytes.data() + i * sizeof(double), sizeof(double));
         scene.c.end[i / 12][i / 3 % 4][i % 3] = scalar == Scalar::kF64 ? x : y;
       }
-      for (size_t m = 0; m < 12; ++m) scene.pieces[m] = {{scene.c.end[m], scene.c.meshes[m].triangles}};
+      for (size_t m = 0; m < 12; ++m) scene.pieces[m] = {{{scene.c.end[m], scene.c.meshes[m].triangles}}};
       ASSERT_TRUE(JudgedScene(scene).expect(result, Accuracy::kExact, tally)) << frame;
     }
   }
@@ -166,7 +170,7 @@ SolidsScene few(uint32_t seed) {
   RandomBodies random(seed);
   SolidsScene scene;
   for (int i = 0; i < 3; ++i)
-    add_solid(scene, moved(random.convex(3), {1.0 * random.below(5), 1.0 * random.below(5), 1.0 * random.below(5)}));
+    add_solid(scene, moved(random.convex(3), {1.0 * random.below(3), 1.0 * random.below(3), 1.0 * random.below(3)}));
   return scene;
 }
 
@@ -182,7 +186,7 @@ TEST_F(SolidsLife, AnyHit) {
     hits += result.any_contact;
   }
   EXPECT_GT(hits, 20u);
-  EXPECT_LT(hits, 80u);
+  EXPECT_LT(hits, 95u);
 }
 
 /// Vertices in solids come to the host whatever room there is; the rest of the answer is as it is without room.
@@ -195,6 +199,7 @@ TEST_F(SolidsLife, WithRoomForContacts) {
         const JudgedScene scene(few(seed));
         SceneSpec spec = looking_into_solids(accuracy, Scalar::kF64);
         spec.kinds.vertex_triangle = true;
+        spec.thickness = 0.25;
         const Frame frame(scene.scene().c, Mode::kDcd, Scalar::kF64);
         FrameResult all = Detector::create(spec_of(scene.scene(), spec))->detect(frame.input());
         FrameInput input = frame.input();

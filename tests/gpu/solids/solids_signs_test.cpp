@@ -58,10 +58,10 @@ class SignsJudged : public OnBackend<> {
     for (int i = 0; i < slots; ++i) {
       const Vec3d at{8.0 * (i % 8), 8.0 * (i / 8), 0};
       for (int k = 0; k < 2; ++k) {
-        Body body = moved(random.shuffled(random.any(3)), at);
-        if (k == random.below(4)) body.pieces.clear();
+        Body body = moved(random.shuffled(random.convex(3)), at);
+        if (k == random.below(4)) body.pieces = {};
         add_solid(scene, body);
-        scene.c.meshes.back().solid = !body.pieces.empty();
+        scene.c.meshes.back().solid = !body.pieces.within.empty();
       }
     }
     return scene;
@@ -102,11 +102,11 @@ class SignsJudged : public OnBackend<> {
 
 TEST_F(SignsJudged, AtEveryLevel) {
   SignTally tally;
-  for (uint32_t seed = 1; seed <= 8; ++seed) {
+  for (uint32_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const JudgedScene scene(random_pairs(seed, 40));
+    const JudgedScene scene(random_pairs(seed, 12));
     const Accuracy accuracy = kLevels[seed % 4];
-    const Scalar scalar = seed % 8 < 4 ? Scalar::kF32 : Scalar::kF64;
+    const Scalar scalar = seed < 3 ? Scalar::kF32 : Scalar::kF64;
     expect_signs(scene, run_solids(scene.scene(), looking_for_signs(accuracy, scalar)), tally, false);
     if (HasFatalFailure()) return;
   }
