@@ -12,7 +12,7 @@ constexpr std::array kLevels = {Accuracy::kFast, Accuracy::kGuarded, Accuracy::k
 constexpr int kSlots = 500;     ///< places of a scene, far from each other
 constexpr double kSpacing = 8;  ///< more than a body's size
 
-Vec3d slot(int i) { return {kSpacing * (i % 8), kSpacing * (i / 8 % 8), kSpacing * (i / 64)}; }
+Vec3d slot(int i) { return {kSpacing * (i % 23), kSpacing * (i / 23), 0}; }
 
 /// Two bodies in each slot: most are solids, some are the same twice or no solid, some slots have three.
 SolidsScene random_pairs(uint32_t seed) {
@@ -116,7 +116,7 @@ TEST_F(SolidsJudged, ColumnsAndMasks) {
   }
   EXPECT_GT(excluded, 100u);
   tally.print("columns");
-  tally.expect_all();
+  for (const uint64_t count : {tally.states[0], tally.states[1], tally.apart, tally.on, tally.inside}) EXPECT_GT(count, 0u);
 }
 
 }  // namespace
