@@ -112,10 +112,8 @@ template <class N>
 bool go_through_each_other(const Triangle<N>& s, const Triangle<N>& t) {
   const Vector<N> of_s = s.normal(), of_t = t.normal(), along = cross(of_s, of_t);
   if (is_zero(along)) return false;
-  const auto in_t = run_in_plane(
-      s, {dot(of_t, s.a - t.a), dot(of_t, s.b - t.a), dot(of_t, s.c - t.a)}, along);
-  const auto in_s = run_in_plane(
-      t, {dot(of_s, t.a - s.a), dot(of_s, t.b - s.a), dot(of_s, t.c - s.a)}, along);
+  const auto in_t = run_in_plane(s, {dot(of_t, s.a - t.a), dot(of_t, s.b - t.a), dot(of_t, s.c - t.a)}, along);
+  const auto in_s = run_in_plane(t, {dot(of_s, t.a - s.a), dot(of_s, t.b - s.a), dot(of_s, t.c - s.a)}, along);
   return in_t && in_s && std::max((*in_t)[0], (*in_s)[0]) < std::min((*in_t)[1], (*in_s)[1]);
 }
 

@@ -70,9 +70,9 @@ SolidsScene placed(SolidsScene scene, double scale, double by) {
 
 void Tally::print(const char* of) const {
   std::cout << of << ": touching " << states[0] << ", overlapping " << states[1] << ", first inside " << states[2]
-            << ", second inside " << states[3] << ", apart " << apart << ", open " << open << "; vertices inside " << inside
-            << " (with rivals " << rivals << "), on " << on << ", in twice or more " << deep << ", inside out "
-            << inside_out << "; depths within " << static_cast<double>(ulps) << " ulp, places "
+            << ", second inside " << states[3] << ", apart " << apart << ", open " << open << "; vertices inside "
+            << inside << " (with rivals " << rivals << "), on " << on << ", in twice or more " << deep
+            << ", inside out " << inside_out << "; depths within " << static_cast<double>(ulps) << " ulp, places "
             << static_cast<double>(std::log2(place)) << ", normals " << static_cast<double>(std::log2(normal))
             << " (log2)\n";
 }
@@ -101,7 +101,8 @@ bool JudgedScene::expect(const FrameResult& result, Accuracy accuracy, Tally& ta
   EXPECT_EQ(result.counts.inside_out, truth_.inside_out);
   const bool is_right = result.counts.inside_out == truth_.inside_out && expect_states(result) &&
                         expect_inside(result, accuracy, tally) && expect_deepest(result);
-  for (const JudgedPair& pair : truth_.pairs) ++(pair.is_open ? tally.open : tally.states[static_cast<size_t>(pair.state)]);
+  for (const JudgedPair& pair : truth_.pairs)
+    ++(pair.is_open ? tally.open : tally.states[static_cast<size_t>(pair.state)]);
   tally.apart += truth_.apart, tally.on += truth_.on, tally.deep += truth_.deep;
   tally.inside += truth_.inside.size(), tally.inside_out += truth_.inside_out;
   for (const JudgedInside& inside : truth_.inside) tally.rivals += inside.nearest.size() > 1;
@@ -137,13 +138,12 @@ bool JudgedScene::expect_states(const FrameResult& result) const {
     if (is_missing || is_wrong) {
       const auto of = is_missing ? key(truth_.pairs[i]) : key(found[k]);
       ADD_FAILURE() << (is_missing ? "missing pair, state " : "wrong pair, state ")
-                    << static_cast<int>(is_missing ? truth_.pairs[i].state : found[k].state)
-                    << text_of({of[0], of[1]});
+                    << static_cast<int>(is_missing ? truth_.pairs[i].state : found[k].state) << text_of({of[0], of[1]});
       return false;
     }
     const JudgedPair& pair = truth_.pairs[i];
-    const bool is_either = pair.is_open && (found[k].state == PairState::kOverlapping ||
-                                          found[k].state == PairState::kTouching);
+    const bool is_either =
+        pair.is_open && (found[k].state == PairState::kOverlapping || found[k].state == PairState::kTouching);
     if ((is_either || found[k].state == pair.state) && found[k].first_inside == pair.first_inside &&
         found[k].second_inside == pair.second_inside)
       continue;
@@ -185,7 +185,8 @@ bool JudgedScene::expect_inside(const FrameResult& result, Accuracy accuracy, Ta
     const auto [v, t] = set.elements[i];
     const auto fail = [&](const char* what) {
       ADD_FAILURE() << what << ": vertex " << v << " triangle " << t << ", judged " << inside.vertex << " in mesh "
-                    << inside.mesh << " triangle " << inside.nearest.front() << text_of({mesh_of_vertex(v), inside.mesh});
+                    << inside.mesh << " triangle " << inside.nearest.front()
+                    << text_of({mesh_of_vertex(v), inside.mesh});
       return false;
     };
     if (v != inside.vertex || mesh_of_triangle(t) != inside.mesh) return fail("vertex inside");
@@ -206,8 +207,7 @@ bool JudgedScene::expect_place(const ContactSet& set, size_t i, Tally& tally) co
   const auto [v, t] = set.elements[i];
   const auto& of = triangles_[t];
   const auto& w = set.weights[i];
-  const auto [place, size] =
-      seen_place(positions_[v], {positions_[of[0]], positions_[of[1]], positions_[of[2]]}, w);
+  const auto [place, size] = seen_place(positions_[v], {positions_[of[0]], positions_[of[1]], positions_[of[2]]}, w);
   const long double depth = length(place), off = std::abs(depth + set.distance[i]) / size;
   long double turn = 0, unit = 0;
   for (size_t k = 0; k < 3; ++k) {

@@ -51,9 +51,7 @@ int winding_of(const std::array<Vec3d, 2>& box, const Cell& cell) {
 
 }  // namespace
 
-Vec3d RandomBodies::point(int size) {
-  return as_point({below(size + 1), below(size + 1), below(size + 1)});
-}
+Vec3d RandomBodies::point(int size) { return as_point({below(size + 1), below(size + 1), below(size + 1)}); }
 std::array<Vec3d, 2> RandomBodies::corners(int size) {
   std::array<Vec3d, 2> out;
   for (size_t k = 0; k < 3; ++k) {

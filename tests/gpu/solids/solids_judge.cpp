@@ -138,7 +138,8 @@ Place place_in(const Mesh<N>& mesh, const FractionPoint<N>& point) {
   for (int attempt = 0; attempt < 100; ++attempt) {
     const Vector<N> direction{N(311 + 17 * attempt), N(-197 + 29 * attempt), N(89 - 31 * attempt)};
     Place place;
-    if (std::ranges::all_of(seen, [&](const auto& t) { return add_crossing(t, direction, place.winding); })) return place;
+    if (std::ranges::all_of(seen, [&](const auto& t) { return add_crossing(t, direction, place.winding); }))
+      return place;
   }
   throw std::logic_error("all rays meet borders");
 }
@@ -252,7 +253,7 @@ class Judge : public SolidsJudge {
     for (const uint32_t v : meshes_[of].used) {
       if (!solid.bounds.meets(bounds_of({points_[v]}))) continue;
       const Place place = place_in<N>(solid, {points_[v]});
-      judged.on += place.is_on, judged.inside_out += place.winding < 0, judged.deep += place.winding > 1;
+      judged.on += place.is_on, judged.inside_out += place.winding<0, judged.deep += place.winding> 1;
       if (!place.is_inside()) continue;
       ++count;
       judged.inside.push_back(judged_inside(v, in));
@@ -275,8 +276,8 @@ class Judge : public SolidsJudge {
   }
   Nearest<N> nearest(uint32_t vertex, uint32_t id) const {
     const Element& e = element(id);
-    return nearest_of_triangle(Triangle<N>{points_[e[0]], points_[e[e.size() > 1 ? 1 : 0]], points_[e.back()]}.from(
-        points_[vertex]));
+    return nearest_of_triangle(
+        Triangle<N>{points_[e[0]], points_[e[e.size() > 1 ? 1 : 0]], points_[e.back()]}.from(points_[vertex]));
   }
   long double length_of(const Fraction<N>& squared) const { return std::ldexp(root_of(squared), unit_); }
 
@@ -287,8 +288,9 @@ class Judge : public SolidsJudge {
     return e.size() == 2 ? segment_meets(points_[e[0]], points_[e[1]], t) : triangles_meet(triangle(e), t);
   }
   bool touch(const Mesh<N>& first, const Mesh<N>& second) const {
-    return first.is_solid ? any_pair(second, first, [&](const Element& e, const Triangle<N>& t) { return touch(e, t); })
-                          : any_pair(first, second, [&](const Element& e, const Triangle<N>& t) { return touch(e, t); });
+    return first.is_solid
+               ? any_pair(second, first, [&](const Element& e, const Triangle<N>& t) { return touch(e, t); })
+               : any_pair(first, second, [&](const Element& e, const Triangle<N>& t) { return touch(e, t); });
   }
   template <class Test>
   bool any_pair(const Mesh<N>& mesh, const Mesh<N>& solid, const Test& test) const {
@@ -315,7 +317,7 @@ class Judge : public SolidsJudge {
     return any_pair(first.is_solid ? second : first, first.is_solid ? first : second,
                     [&](const Element& e, const Triangle<N>& t) {
                       if (e.size() == 2) return goes_through(points_[e[0]], points_[e[1]], t);
-                      return e.size() == 3 && go_through_each_other(triangle(e), t);
+                      return e.size() == 3 && (passes(e, t) || go_through_each_other(triangle(e), t));
                     });
   }
 
@@ -325,7 +327,8 @@ class Judge : public SolidsJudge {
     return is_of_second ? ClosestPoints{far, near} : ClosestPoints{near, far};
   }
   /// All that an end has a part in, or that are within both.
-  std::vector<ClosestPoints> closest_of_edges(const std::array<uint32_t, 2>& a, const std::array<uint32_t, 2>& b) const {
+  std::vector<ClosestPoints> closest_of_edges(const std::array<uint32_t, 2>& a,
+                                              const std::array<uint32_t, 2>& b) const {
     std::vector<std::pair<Fraction<N>, ClosestPoints>> found;
     const auto add_ends = [&](const auto& ends, const auto& other, bool is_of_second) {
       for (const uint32_t v : ends) {
@@ -379,8 +382,7 @@ class Judge : public SolidsJudge {
     bool is_inside = false, is_outside = false;
     for (int i = 0; i <= kSteps; ++i)
       for (int j = 0; i + j <= kSteps; ++j) {
-        const Vector<N> from = points_[e[0]], u = points_[e[e.size() > 1 ? 1 : 0]] - from,
-                        v = points_[e.back()] - from;
+        const Vector<N> from = points_[e[0]], u = points_[e[e.size() > 1 ? 1 : 0]] - from, v = points_[e.back()] - from;
         const Place place = place_in<N>(solid, {from, times(u, N(i)) + times(v, N(j)), N(kSteps)});
         is_inside = is_inside || place.is_inside(), is_outside = is_outside || place.is_outside();
       }

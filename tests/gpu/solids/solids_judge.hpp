@@ -11,8 +11,8 @@
 
 namespace collided::test {
 
-/// Convex bodies that together are where a surface's winding number is 1 or more, and those that a part of it which is inside
-/// out takes away.
+/// Convex bodies that together are where a surface's winding number is 1 or more, and those that a part of it which is
+/// inside out takes away.
 struct Pieces {
   std::vector<Shape> within, inside_out = {};
 };
@@ -30,15 +30,15 @@ struct SolidsScene {
 
 struct JudgedInside {
   uint32_t vertex, mesh;
-  long double depth;               ///< in the unit of the positions, within 2^-62 of its size
-  std::vector<uint32_t> nearest;   ///< triangles at that distance, ascending
+  long double depth;              ///< in the unit of the positions, within 2^-62 of its size
+  std::vector<uint32_t> nearest;  ///< triangles at that distance, ascending
 };
 struct JudgedPair {
   uint32_t first, second;
   PairState state;
   uint32_t first_inside, second_inside;
-  /// They touch, or overlap without a vertex inside, and a part that is inside out has a volume in common with the other
-  /// mesh: either may be said.
+  /// They touch, or overlap without a vertex inside, and a part that is inside out has a volume in common with the
+  /// other mesh: either may be said.
   bool is_open;
 };
 struct JudgedSolids {
@@ -52,9 +52,9 @@ struct JudgedSolids {
 
 /// What the sign of a contact's distance is to be.
 struct JudgedSign {
-  int sign;       ///< 1 or -1; 0: none, which is told by NaN
-  bool is_tied;   ///< a feature touches the other's mesh without going through it
-  bool is_open;   ///< several pairs of closest points, whose signs differ
+  int sign;                          ///< 1 or -1; 0: none, which is told by NaN
+  bool is_tied;                      ///< a feature touches the other's mesh without going through it
+  bool is_open;                      ///< several pairs of closest points, whose signs differ
   std::array<long double, 3> apart;  ///< from the second feature's closest point to the first one's
 };
 

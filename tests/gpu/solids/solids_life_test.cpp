@@ -66,9 +66,7 @@ class LivingSolids {
   }
 
  private:
-  Vec3d lattice_step() {
-    return {random_.below(3) - 1.0, random_.below(3) - 1.0, random_.below(3) - 1.0};
-  }
+  Vec3d lattice_step() { return {random_.below(3) - 1.0, random_.below(3) - 1.0, random_.below(3) - 1.0}; }
   Body random_body() {
     Body body = random_.any(3);
     return moved(random_.shuffled(body), {0.0 + random_.below(5), 0.0 + random_.below(5), 0.0 + random_.below(5)});

@@ -45,8 +45,8 @@ TEST_F(SolidsRefuted, ALoosePointOnAFaceTouches) {
 /// The first parts of both are one cube; where the others are, one of them is inside out and larger.
 TEST_F(SolidsRefuted, VolumesThatCancel) {
   const Shape cube = unit_cube(), larger = box({4, 0, 0}, {6, 1, 1});
-  const SolidsScene scene = scene_of({together(together(cube, box({10, 0, 0}, {20, 1, 1})), reversed(larger)),
-                                      together(cube, larger)});
+  const SolidsScene scene =
+      scene_of({together(together(cube, box({10, 0, 0}, {20, 1, 1})), reversed(larger)), together(cube, larger)});
   const FrameResult r = states_of(scene);
   ASSERT_EQ(r.pair_states.size(), 1u);
   EXPECT_EQ(r.pair_states[0].state, PairState::kOverlapping);

@@ -1,5 +1,5 @@
-// Distances with a sign against the judge: which closest points are in the other solid, and which features go through the
-// other's mesh.
+// Distances with a sign against the judge: which closest points are in the other solid, and which features go through
+// the other's mesh.
 
 #include <cmath>
 #include <iostream>
@@ -25,9 +25,8 @@ struct SignTally {
 
   void print(const char* of) const {
     std::cout << of << ": inside " << inside << ", outside " << outside << ", without a sign " << none << ", normals "
-              << turned << ", several closest points " << open << "; of features that touch " << tied
-              << ": other sign " << tied_wrong << ", none " << tied_none << ", a sign where there is none "
-              << tied_number << "\n";
+              << turned << ", several closest points " << open << "; of features that touch " << tied << ": other sign "
+              << tied_wrong << ", none " << tied_none << ", a sign where there is none " << tied_number << "\n";
   }
 };
 
@@ -88,7 +87,8 @@ class SignsJudged : public OnBackend<> {
         if (!expects_tied) continue;
       }
       ++(judged.sign < 0 ? tally.inside : judged.sign > 0 ? tally.outside : tally.none);
-      ASSERT_EQ(sign, judged.sign) << ids[0] << " " << ids[1] << " distance " << set.distance[i] << scene.text_of({0, 1});
+      ASSERT_EQ(sign, judged.sign) << ids[0] << " " << ids[1] << " distance " << set.distance[i]
+                                   << scene.text_of({0, 1});
     }
   }
   static void expect_signs(const JudgedScene& scene, const FrameResult& r, SignTally& tally, bool expects_tied) {
