@@ -60,7 +60,8 @@ struct PerField {
   Array<uint8_t> flags;                     ///< ContactFlags; from kFast on
   Array<uint8_t> features;                  ///< FeatureBits; of kinds of features in DCD, if asked for
   /// Likewise: minus `distance` where one of the closest points is in the other one's mesh, a solid; else `distance`.
-  /// NaN between meshes that are no solids, and where one feature goes through the other's mesh.
+  /// NaN between meshes that are no solids, of a mesh and itself, and where `distance` is above 0 and one feature meets
+  /// the other's mesh: it may have points on both sides.
   Array<double> signed_distance;
 };
 

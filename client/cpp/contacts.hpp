@@ -24,7 +24,7 @@ struct Contacts {
   std::vector<uint8_t> flags;                  ///< masks of v1::ContactFlag
   std::vector<uint8_t> features;               ///< masks of ClosestFeatures; in discrete frames alone
   /// Of discrete frames of scenes with a solid: minus `distance` where a closest point is inside the other mesh; NaN
-  /// where neither mesh is a solid, and where one feature goes through the other mesh.
+  /// where neither mesh is a solid, and where one of two features at a distance above 0 meets the other mesh.
   std::vector<double> signed_distances;
   std::vector<uint32_t> worlds;  ///< in a stream of a set: each contact's world, ascending
 };

@@ -33,7 +33,7 @@ type Contacts struct {
 	Features []byte
 	// SignedDistances are Distance with a sign, in discrete frames of scenes with a solid. They are negative where the closest point of
 	// one feature is inside the other feature's mesh, a solid. They are NaN where neither mesh is a solid, of a mesh and itself, and
-	// where one of the two features goes through the other's mesh.
+	// where the distance is above 0 and one of the two features meets the other's mesh.
 	SignedDistances []float64
 }
 

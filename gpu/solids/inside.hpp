@@ -15,13 +15,14 @@ struct SolidCounts {
   uint64_t inside = 0;      ///< pairs of a vertex and a solid that it is in
   uint64_t doubtful = 0;    ///< pairs that double precision leaves open
   uint64_t open = 0;        ///< those of them that the host has to decide
+  uint64_t on = 0;          ///< those of them in which the vertex is on the solid
   uint64_t inside_out = 0;  ///< pairs whose winding number is below 0
   uint64_t rivals = 0;      ///< triangles that may be as near as the nearest ones (solids/nearest.hpp)
 };
 
 /// Where pairs of a vertex and a solid (pack_ids) go.
 struct SolidLists {
-  AppendList<uint64_t> inside, doubtful, open;
+  AppendList<uint64_t> inside, doubtful, open, on;
   uint64_t* inside_out;
 
   COLLIDED_HD void tell(uint32_t vertex, uint32_t solid, int winding) const {
@@ -128,8 +129,9 @@ struct DecideInside {
           winding += verdict.crossing;
           is_on = is_on || verdict.is_on;
         });
-    if (is_open) lists.open.push(doubtful[i]);
-    if (!is_open && !is_on) lists.tell(vertex, solid, winding);
+    if (is_on) return (void)lists.on.push(doubtful[i]);
+    if (is_open) return (void)lists.open.push(doubtful[i]);
+    lists.tell(vertex, solid, winding);
   }
 
  private:

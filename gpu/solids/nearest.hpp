@@ -10,6 +10,39 @@
 
 namespace collided {
 
+/// Triangles that the threads of a group, which is one thread or a warp, share out among themselves.
+class LeavesOfGroup {
+ public:
+  COLLIDED_HD explicit LeavesOfGroup(const Group& group) : group_(group) {}
+
+  /// All threads give the same ones.
+  COLLIDED_HD void give(uint32_t place) {
+    if (count_ == group_.rank) own_ = place;
+    ++count_;
+  }
+  COLLIDED_HD bool has() const { return group_.rank < count_; }
+  COLLIDED_HD uint32_t own() const { return own_; }
+  COLLIDED_HD bool is_full() const { return count_ == group_.size; }
+  /// Whether it is time to look at them, since that saves looking at others.
+  COLLIDED_HD bool are_many() const { return count_ >= kMany; }
+  COLLIDED_HD void take() { count_ = 0; }
+
+ private:
+  static constexpr uint32_t kMany = 4;
+
+  const Group& group_;
+  uint32_t count_ = 0, own_ = 0;
+};
+
+/// What the threads of a group have measured.
+struct MeasuredByGroup {
+  static constexpr uint32_t kMost = 32;
+
+  PreciseDistance found[kMost];
+  uint32_t place[kMost];
+  bool is_near[kMost];
+};
+
 /// A vertex in a solid, and the solid's triangles by their distances from it.
 template <class Real>
 class SolidFromVertex {
@@ -23,42 +56,69 @@ class SolidFromVertex {
   COLLIDED_HD double unscaled(double length) const { return length / scale_; }
 
   /// Returns a squared distance that the nearest triangle is certain to have or be below. Goes down to what is nearer
-  /// first.
-  COLLIDED_HD double reach() const {
+  /// first; the threads of a group go together, and look at a triangle each.
+  COLLIDED_HD double reach(const Group& group) const {
     constexpr int kDeepest = 96;  // the bits of a leaf's key and of its place
     uint32_t later[kDeepest];
     int count = 0;
     double reach = std::numeric_limits<double>::infinity();
-    for (uint32_t left = tree_.parts[solid_].left;;) {
+    LeavesOfGroup leaves(group);
+    const auto look = [&] {
+      reach = min(reach, -group.most(leaves.has() ? -reach_of(leaves.own()) : -reach));
+      leaves.take();
+    };
+    const auto give = [&](uint32_t place) {
+      leaves.give(place);
+      if (leaves.is_full()) look();
+    };
+    for (uint32_t left = tree_.parts[solid_].left; left != kNoNode;) {
       const BvhNode nodes[2] = {tree_.nodes[left], tree_.nodes[left | 1u]};
       const double squared[2] = {from_box(nodes[0].box()), from_box(nodes[1].box())};
       const int nearer = squared[1] < squared[0] ? 1 : 0;
-      uint32_t next = kNoNode;
+      left = kNoNode;
       for (int k = 0; k < 2; ++k) {
         const int side = k == 0 ? nearer : 1 - nearer;
         const BvhNode& node = nodes[side];
         if (!(squared[side] <= reach)) continue;
         if (node.is_leaf())
-          reach = min(reach, reach_of(node.triangle()));
-        else if (next == kNoNode)
-          next = node.child;
+          give(node.triangle());
+        else if (left == kNoNode)
+          left = node.child;
         else
           later[count++] = node.child;
       }
-      if (next == kNoNode && count > 0) next = later[--count];
-      if (next == kNoNode) return reach;
-      left = next;
+      if (leaves.are_many()) look();
+      if (left == kNoNode && count > 0) left = later[--count];
     }
+    look();
+    return reach;
   }
-  /// use(place, distance) for each triangle that may be within a squared distance.
+  /// use(place, distance), by all threads of a group, for each triangle that may be within a squared distance. They
+  /// measure a triangle each; `shared`: the group's.
   template <class Use>
-  COLLIDED_HD void for_each_within(double reach, const Use& use) const {
+  COLLIDED_HD void for_each_within(double reach, const Group& group, MeasuredByGroup& shared, const Use& use) const {
+    LeavesOfGroup leaves(group);
+    const auto measure = [&] {
+      shared.is_near[group.rank] = false;
+      if (leaves.has()) {
+        const RoughDistance rough = rough_distance(leaves.own());
+        shared.is_near[group.rank] = rough.squared - rough.error <= reach;
+        if (shared.is_near[group.rank]) shared.found[group.rank] = precise(leaves.own());
+        shared.place[group.rank] = leaves.own();
+      }
+      group.sync();
+      for (uint32_t k = 0; k < group.size; ++k)
+        if (shared.is_near[k]) use(shared.place[k], shared.found[k]);
+      group.sync();
+      leaves.take();
+    };
     tree_.walk_one(
         solid_, [&](const Box<float>& box) { return from_box(box) <= reach; },
         [&](uint32_t place) {
-          const RoughDistance rough = rough_distance(place);
-          if (rough.squared - rough.error <= reach) use(place, precise(place));
+          leaves.give(place);
+          if (leaves.is_full()) measure();
         });
+    measure();
   }
   COLLIDED_HD PreciseDistance precise(uint32_t place) const {
     Vec3<double> corners[3];
@@ -122,16 +182,30 @@ struct FindNearest {
   bool is_exact;
   AppendList<Rival> rivals;  ///< at kExact: those that only the host can tell apart from the nearest
 
-  COLLIDED_HD void operator()(uint64_t i) const {
+  using Shared = MeasuredByGroup;
+  static constexpr uint32_t kGroupSize = MeasuredByGroup::kMost;
+
+  COLLIDED_HD void operator()(uint64_t i, const Group& group, Shared& shared) const {
     const SolidFromVertex<Real> seen(tree, *bounds, inside[i]);
-    const double reach = seen.reach();
+    const double reach = seen.reach(group);
     uint32_t nearest = kNoNode;
     PreciseDistance best;
-    seen.for_each_within(reach, [&](uint32_t place, const PreciseDistance& found) {
+    seen.for_each_within(reach, group, shared, [&](uint32_t place, const PreciseDistance& found) {
       if (nearest == kNoNode || is_before(seen, place, found, nearest, best)) nearest = place, best = found;
     });
-    put(i, seen, nearest, best);
-    if (is_exact) list_rivals(i, seen, reach, nearest, best);
+    if (group.rank == 0) put(i, seen, nearest, best);
+    if (!is_exact) return;
+    bool has_rivals = false;
+    const auto list = [&](uint32_t place) {
+      if (group.rank == 0) rivals.push({static_cast<uint32_t>(i), place});
+    };
+    seen.for_each_within(reach, group, shared, [&](uint32_t place, const PreciseDistance& found) {
+      if (place == nearest || found.compare(best) != 0) return;
+      if (place > nearest && seen.share_point(place, found, nearest, best)) return;
+      list(place);
+      has_rivals = true;
+    });
+    if (has_rivals) list(nearest);
   }
   /// Writes contact i with this triangle.
   COLLIDED_HD void put_at(uint64_t i, uint32_t place) const {
@@ -140,17 +214,6 @@ struct FindNearest {
   }
 
  private:
-  COLLIDED_HD void list_rivals(uint64_t i, const SolidFromVertex<Real>& seen, double reach, uint32_t nearest,
-                               const PreciseDistance& best) const {
-    bool has_rivals = false;
-    seen.for_each_within(reach, [&](uint32_t place, const PreciseDistance& found) {
-      if (place == nearest || found.compare(best) != 0) return;
-      if (place > nearest && seen.share_point(place, found, nearest, best)) return;
-      rivals.push({static_cast<uint32_t>(i), place});
-      has_rivals = true;
-    });
-    if (has_rivals) rivals.push({static_cast<uint32_t>(i), nearest});
-  }
   COLLIDED_HD static bool is_before(const SolidFromVertex<Real>& seen, uint32_t place, const PreciseDistance& found,
                                     uint32_t nearest, const PreciseDistance& best) {
     const int order = found.compare(best);

@@ -23,6 +23,10 @@ class PairsOfMeshes {
     facts->crosses = facts->crosses || is_sure;
     facts->touches = true;
   }
+  /// A loose point has no edge that would tell.
+  void add_on(uint32_t vertex, uint32_t solid) {
+    if (PairFacts* facts = find(meshes_.mesh_of_vertex(vertex), meshes_.solids[solid])) facts->touches = true;
+  }
   void add_inside(uint32_t vertex, uint32_t triangle, double depth) {
     const uint32_t own = meshes_.mesh_of_vertex(vertex), solid = meshes_.mesh_of_triangle(triangle);
     MeshPairState& pair = find(own, solid)->pair;
@@ -74,7 +78,8 @@ std::vector<MeshPairState> find_pair_states(const FoundInSolids& found, const Ov
   PairsOfMeshes pairs(found.meshes);
   for (size_t i = 0; i < found.crossings.size(); ++i)
     pairs.add_crossing(found.crossings.elements[i], (found.crossings.flags[i] & kFlagTouching) == 0);
-  for (const EdgeAndTriangle& ids : found.meets) pairs.add_crossing(ids, false);
+  for (const EdgeAndTriangle& ids : found.ties) pairs.add_crossing(ids, false);
+  for (const uint64_t pair : found.on) pairs.add_on(first_id(pair), second_id(pair));
   for (size_t i = 0; i < found.inside.size(); ++i)
     pairs.add_inside(found.inside.elements[i][0], found.inside.elements[i][1], -found.inside.distance[i]);
   return pairs.finish(decide);

@@ -15,9 +15,10 @@ using EdgeAndTriangle = std::array<uint32_t, 2>;
 /// What a frame has found of its solids.
 struct FoundInSolids {
   const SolidMeshes& meshes;
-  const ContactSet& crossings;                ///< edges that go through triangles, ties among them
-  const std::vector<EdgeAndTriangle>& meets;  ///< pairs with a tie that have a point in common, crossings or not
-  const ContactSet& inside;                   ///< vertices in solids, with distances
+  const ContactSet& crossings;               ///< edges that go through triangles, ties among them
+  const std::vector<EdgeAndTriangle>& ties;  ///< pairs with a tie that have a point in common, crossings or not
+  const ContactSet& inside;                  ///< vertices in solids, with distances
+  const std::vector<uint64_t>& on;           ///< vertices on solids (pack_ids: a vertex, a solid's number)
 };
 
 /// Tells whether two meshes (first < second) that only touch overlap all the same: where all that meets is a tie, and

@@ -349,7 +349,7 @@ class Results {
         set, [&](size_t count) { verdicts.resize(count); },
         [&](const auto& keys, size_t first) { decide_crossings(keys, verdicts.data() + first); },
         [&](const auto& places) {
-          if (needs_.tells_states) list_ties(set, places, verdicts);
+          if (needs_.looks_into_solids) list_ties(set, places, verdicts);
           apply(exec_.host_loops(), set, places, verdicts);
         });
     for (const EdgeTriangleVerdict& verdict : verdicts) result_->any_contact = result_->any_contact || verdict.meets;

@@ -34,13 +34,14 @@ class FeaturesAndMeshes {
   std::vector<FeatureAndMesh> all_;
 };
 
+/// A feature that has no point in common with a closed mesh lies on one side of it, as each of its vertices does.
 class Signs {
  public:
   explicit Signs(const FoundInSolids& found) : meshes_(found.meshes), topology_(*found.meshes.topology) {
     for (size_t i = 0; i < found.inside.size(); ++i)
       inside_.add(found.inside.elements[i][0], meshes_.mesh_of_triangle(found.inside.elements[i][1]));
-    for (size_t i = 0; i < found.crossings.size(); ++i)
-      if ((found.crossings.flags[i] & kFlagTouching) == 0) add_crossing(found.crossings.elements[i]);
+    for (const EdgeAndTriangle& ids : found.crossings.elements) add_meeting(ids);
+    for (const EdgeAndTriangle& ids : found.ties) add_meeting(ids);
     inside_.finish(), edges_.finish(), triangles_.finish();
   }
 
@@ -48,24 +49,19 @@ class Signs {
   int of_vertex_triangle(const std::array<uint32_t, 2>& ids) const {
     const uint32_t vertex = ids[0], triangle = ids[1], mesh = meshes_.mesh_of_vertex(vertex),
                    other = meshes_.mesh_of_triangle(triangle);
-    if (!has_solid(mesh, other) || goes_through(triangle, mesh)) return 0;
-    const auto& t = topology_.triangles[triangle];
-    const bool is_inside = inside_.has(t[0], mesh);
-    if (inside_.has(t[1], mesh) != is_inside || inside_.has(t[2], mesh) != is_inside) return 0;
-    return is_inside || inside_.has(vertex, other) ? -1 : 1;
+    if (!has_solid(mesh, other) || meets(triangle, mesh)) return 0;
+    return inside_.has(topology_.triangles[triangle][0], mesh) || inside_.has(vertex, other) ? -1 : 1;
   }
   int of_edge_edge(const std::array<uint32_t, 2>& ids) const {
     const auto &a = topology_.edges[ids[0]], &b = topology_.edges[ids[1]];
     const uint32_t mesh = meshes_.mesh_of_edge(ids[0]), other = meshes_.mesh_of_edge(ids[1]);
     if (!has_solid(mesh, other)) return 0;
     if (edges_.has(pack_ids(a[0], a[1]), other) || edges_.has(pack_ids(b[0], b[1]), mesh)) return 0;
-    const bool is_a = inside_.has(a[0], other), is_b = inside_.has(b[0], mesh);
-    if (inside_.has(a[1], other) != is_a || inside_.has(b[1], mesh) != is_b) return 0;
-    return is_a || is_b ? -1 : 1;
+    return inside_.has(a[0], other) || inside_.has(b[0], mesh) ? -1 : 1;
   }
 
  private:
-  void add_crossing(const EdgeAndTriangle& ids) {
+  void add_meeting(const EdgeAndTriangle& ids) {
     const auto& edge = topology_.edges[ids[0]];
     edges_.add(pack_ids(edge[0], edge[1]), meshes_.mesh_of_triangle(ids[1]));
     triangles_.add(ids[1], meshes_.mesh_of_edge(ids[0]));
@@ -74,7 +70,7 @@ class Signs {
   bool has_solid(uint32_t mesh, uint32_t other) const {
     return mesh != other && (meshes_.are_solid[mesh] || meshes_.are_solid[other]);
   }
-  bool goes_through(uint32_t triangle, uint32_t mesh) const {
+  bool meets(uint32_t triangle, uint32_t mesh) const {
     if (triangles_.has(triangle, mesh)) return true;
     const auto& t = topology_.triangles[triangle];
     for (int k = 0; k < 3; ++k) {
@@ -94,7 +90,7 @@ template <class Sign>
 void sign_set(CpuLoops& loops, ContactSet& set, const Sign& sign) {
   constexpr uint64_t kAtATime = 1u << 10;
   loops.for_each(set.signed_distance.size(), kAtATime, [&](uint64_t i) {
-    const int found = sign(set.elements[i]);
+    const int found = set.distance[i] == 0 ? 1 : sign(set.elements[i]);
     set.signed_distance[i] = found == 0 ? std::numeric_limits<double>::quiet_NaN() : found * set.distance[i];
     if (found < 0 && !set.normals.empty())
       for (float& x : set.normals[i]) x = -x;

@@ -28,6 +28,7 @@ struct SolidBuffers {
         inside{{exec, kPart}, {exec, kPart}},
         doubtful(exec, kPart),
         open(exec, kPart),
+        on(exec, kPart),
         rivals(exec, kPart),
         points(exec, kPart),
         columns(exec) {}
@@ -39,7 +40,7 @@ struct SolidBuffers {
   Buffer<SolidPart, Exec> parts;
   Buffer<SolidCounts, Exec> counts;
   Buffer<uint64_t, Exec> inside[2];  ///< pairs of a vertex and a solid; the second is room to sort in
-  Buffer<uint64_t, Exec> doubtful, open;
+  Buffer<uint64_t, Exec> doubtful, open, on;
   Buffer<Rival, Exec> rivals;
   Buffer<Vec3<Real>, Exec> points;  ///< of rivals
   ColumnBuffers<Exec> columns;
@@ -59,6 +60,7 @@ class SolidPhase {
   uint64_t find(const LevelNeeds& needs, FrameCounts& counts) {
     needs_ = needs;
     found_ = {};
+    on_.clear();
     if (triangles().empty() || vertices().empty()) return 0;
     exec_.stage("inside", [&] {
       build();
@@ -69,6 +71,8 @@ class SolidPhase {
     if (!needs.is_any_hit()) exec_.stage("depths", [&] { counts.exact_decisions += find_depths(); });
     return found_.inside;
   }
+  /// Vertices that are on solids, in any order (pack_ids: a vertex, a solid's number); of frames that tell states.
+  const std::vector<uint64_t>& on() const { return on_; }
   /// Returns what was found, in canonical order, as contacts.
   ContactColumns columns() const { return buffers_.columns.columns(needs_.fields_of(ContactKind::kVertexSolid)); }
 
@@ -127,6 +131,7 @@ class SolidPhase {
       buffers_.inside[0].ensure(max(found_.inside, uint64_t{1}));
       buffers_.doubtful.ensure(max(found_.doubtful, uint64_t{1}));
       buffers_.open.ensure(max(found_.open, uint64_t{1}));
+      buffers_.on.ensure(max(found_.on, uint64_t{1}));
       exec_.fill_zero(buffers_.counts.data(), sizeof(SolidCounts));
       const SolidLists lists = this->lists();
       exec_.for_each("find_inside", vertices().size(),
@@ -135,7 +140,8 @@ class SolidPhase {
                      DecideInside<Real>{tree(), buffers_.doubtful.all(), lists});
       exec_.download(&found_, buffers_.counts.data(), sizeof(found_));
     } while (found_.inside > buffers_.inside[0].capacity() || found_.doubtful > buffers_.doubtful.capacity() ||
-             found_.open > buffers_.open.capacity());
+             found_.open > buffers_.open.capacity() || found_.on > buffers_.on.capacity());
+    bring_on();
     if (found_.open > 0) decide_open();
     sort();
   }
@@ -144,7 +150,12 @@ class SolidPhase {
     return {{buffers_.inside[0].all(), &counts->inside},
             {buffers_.doubtful.all(), &counts->doubtful},
             {buffers_.open.all(), &counts->open},
+            {buffers_.on.all(), &counts->on},
             &counts->inside_out};
+  }
+  void bring_on() {
+    on_.resize(needs_.tells_states ? found_.on : 0);
+    if (!on_.empty()) exec_.download(on_.data(), buffers_.on.data(), on_.size() * sizeof(on_[0]));
   }
   void sort() {
     const uint64_t count = found_.inside;
@@ -166,7 +177,9 @@ class SolidPhase {
     exec_.download(inside.data(), buffers_.inside[0].data(), inside.size() * sizeof(inside[0]));
     exec_.download(positions.data(), this->positions(), positions.size() * sizeof(positions[0]));
     for (const uint64_t pair : open) {
-      const int winding = winding_of(first_id(pair), second_id(pair), positions);
+      bool is_on = false;
+      const int winding = winding_of(first_id(pair), second_id(pair), positions, is_on);
+      if (is_on) on_.push_back(pair);
       if (winding > 0) inside.push_back(pair);
       if (winding < 0) ++found_.inside_out;
     }
@@ -176,7 +189,7 @@ class SolidPhase {
     exec_.wait();
   }
   /// Returns 0 for a vertex on the solid.
-  int winding_of(uint32_t vertex, uint32_t solid, const std::vector<Vec3<Real>>& positions) {
+  int winding_of(uint32_t vertex, uint32_t solid, const std::vector<Vec3<Real>>& positions, bool& is_on) {
     const Topology& topology = *scene_.topology.solids.topology;
     const uint32_t mesh = scene_.topology.solids.solids[solid];
     const exact::PollScope poll([&] { exec_.asks().ask(); });
@@ -187,7 +200,7 @@ class SolidPhase {
       Vec3<double> points[4];
       for (int k = 0; k < 4; ++k) points[k] = convert<double>(positions[ids[k]]);
       const RayVerdict verdict = exact_ray(points, ids);
-      if (verdict.is_on) return 0;
+      if (is_on = verdict.is_on; is_on) return 0;
       winding += verdict.crossing;
     }
     return winding;
@@ -201,7 +214,7 @@ class SolidPhase {
     do {
       buffers_.rivals.ensure(needs_.is_exact() ? max(found_.rivals, uint64_t{1}) : 0);
       exec_.fill_zero(&buffers_.counts.data()->rivals, sizeof(uint64_t));
-      exec_.for_each("find_nearest", count, find_nearest());
+      exec_.for_each_group("find_nearest", {nullptr, count}, find_nearest());
       if (!needs_.is_exact()) return 0;
       exec_.download(&found_, buffers_.counts.data(), sizeof(found_));
       found_.inside = count;
@@ -261,6 +274,7 @@ class SolidPhase {
   SolidBuffers<Exec, Real> buffers_;
   LevelNeeds needs_;
   SolidCounts found_;
+  std::vector<uint64_t> on_;
   int sorted_ = 0;  ///< which of the buffers holds the pairs in order
 };
 

@@ -29,7 +29,7 @@ class SolidResults {
     exec_.stage("solids", [&] {
       if (count > 0) inside_ = results_.bring_inside(phase_.columns(), count);
       if (!scene_.topology.solids.topology) return;
-      const FoundInSolids found{scene_.topology.solids, results_.crossings(), results_.ties(), inside_};
+      const FoundInSolids found{scene_.topology.solids, results_.crossings(), results_.ties(), inside_, phase_.on()};
       if (needs.tells_states) find_states(found, result);
       if (needs.tells_signed) sign_distances(exec_.host_loops(), found, result);
     });

@@ -499,7 +499,7 @@ type ContactChunk struct {
 	// float64[count] (CONTACT_FIELD_SIGNED_DISTANCE): minus `distance` where the closest point of one feature is inside the
 	// other feature's mesh, a solid, else `distance`. Where it is negative, `normals` has the opposite direction: signed distance
 	// times normal leads from the second feature's closest point to the first's. NaN where neither mesh is a solid, of a mesh with
-	// itself, and where one of the two features goes through the other's mesh, because then no direction parts them there.
+	// itself, and where `distance` is above 0 and one of the two features meets the other's mesh: it may have points on both sides.
 	SignedDistances []byte `protobuf:"bytes,14,opt,name=signed_distances,json=signedDistances,proto3" json:"signed_distances,omitempty"`
 }
 

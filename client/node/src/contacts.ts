@@ -49,7 +49,7 @@ export interface Contacts extends Iterable<Contact> {
   /**
    * The distance of each contact with a sign, in discrete frames of scenes with a solid. It is negative where the closest point of one
    * feature is inside the other feature's mesh, a solid. It is NaN where neither mesh is a solid, of a mesh and itself, and where one of
-   * the two features goes through the other's mesh.
+   * the two features, at a distance above 0, meets the other's mesh.
    */
   signedDistances: Float64Array;
 }

@@ -100,5 +100,5 @@ class HasColumns(Generic[Values]):
     def signed_distances(self) -> Values:
         """float64[n]: minus `distance` where the closest point of one feature is inside the other feature's mesh, a solid, else
         `distance`. In DCD with the report "all", from "fast" on, in a scene with a solid. NaN where neither mesh is a solid, of a
-        mesh and itself, where one of the two features goes through the other's mesh, and of kinds but vertex-triangle and edge-edge."""
+        mesh and itself, where one of two features at a distance above 0 meets the other's mesh, and of kinds but vertex-triangle and edge-edge."""
         return self._column("signed_distances")

@@ -1,5 +1,6 @@
 // Benchmarks of the first and last stages of a frame: its positions, and the order of its results.
 
+#include "gpu/contacts/scene_counts.hpp"
 #include "gpu/positions/slot.hpp"
 #include "tests/bench/stages/stage_bench.hpp"
 #include "tests/bench/stages/stage_bench_functors.hpp"
@@ -29,8 +30,7 @@ void bench_order(StageScene& s, Span<const uint64_t> keys, Span<const ContactDat
   if (!data.empty()) wanted = wanted | FieldSet{ContactField::kToi, ContactField::kDistance, ContactField::kFlags};
   ColumnBuffers<CpuExec> columns(s.exec);
   columns.reserve(count, wanted);
-  const auto features = static_cast<uint32_t>(first_ids);
-  const FeatureRanks ranks{{0, s.features.topology.vertex_count, features, features}};
+  const FeatureRanks ranks = ranks_of({.vertex_triangle = true, .edge_edge = true}, SceneCounts(s.features.topology));
   KindBegins kinds{};
   const Unordered<WriteContact<float>> list{
       {&count, count}, keys, ranks, &kinds, {data, {}, ranks, columns.columns(wanted)}};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <thread>
+#include <tuple>
 
 #include "tests/client/c/run.h"
 #include "tests/client/c/scenes.hpp"
@@ -263,6 +264,60 @@ TEST(CLibraryCrossings, AreCountedBesideTheOtherKinds) {
     collided_result_free(result);
   }
   EXPECT_GT(crossings, 0u);
+  collided_scene_free(made);
+}
+
+// A cube of side 1 in one of side 10.
+TEST(CLibrarySolids, TellWhatIsInsideThem) {
+  static const uint32_t kCube[] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                   2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  collided_mesh meshes[2] = {};
+  std::vector<double> positions[2];
+  collided_update updates[2] = {};
+  for (uint32_t m = 0; m < 2; ++m) {
+    meshes[m].struct_size = sizeof(collided_mesh);
+    meshes[m].triangles = kCube, meshes[m].triangle_count = 12, meshes[m].vertex_count = 8;
+    meshes[m].solid = 1;
+    for (uint32_t i = 0; i < 24; ++i) {
+      const bool is_far = (i / 3 >> i % 3 & 1) != 0;
+      positions[m].push_back(m == 0 ? 10.0 * is_far : 4.0 + is_far);
+    }
+    updates[m].struct_size = sizeof(collided_update);
+    updates[m].mesh = m, updates[m].end = positions[m].data(), updates[m].end_bytes = 24 * sizeof(double);
+  }
+  collided_scene_spec spec = {};
+  spec.struct_size = sizeof(spec);
+  spec.meshes = meshes, spec.mesh_count = 2, spec.device = "cpu";
+  spec.mode = COLLIDED_DCD, spec.position_format = COLLIDED_F64;
+  spec.kinds = COLLIDED_KINDS_VERTEX_SOLID;
+  spec.fields = COLLIDED_FIELDS_ELEMENTS | COLLIDED_FIELDS_DISTANCE | COLLIDED_FIELDS_PAIR_STATES;
+  collided_frame frame = {};
+  frame.struct_size = sizeof(frame);
+  frame.updates = updates, frame.update_count = 2;
+  collided_scene* made = nullptr;
+  collided_result* result = nullptr;
+  ASSERT_EQ(collided_scene_create(&spec, &made), COLLIDED_OK) << collided_error_message();
+  ASSERT_EQ(collided_detect(made, &frame, &result), COLLIDED_OK) << collided_error_message();
+  collided_contacts contacts = {};
+  contacts.struct_size = sizeof(contacts);
+  ASSERT_EQ(collided_result_contacts(result, COLLIDED_VERTEX_SOLID, &contacts), COLLIDED_OK);
+  ASSERT_EQ(contacts.count, 8u);
+  for (uint64_t i = 0; i < 8; ++i) EXPECT_DOUBLE_EQ(contacts.distance[i], i < 7 ? -4 : -5);
+  collided_facts facts = {};
+  facts.struct_size = sizeof(facts);
+  ASSERT_EQ(collided_result_facts(result, &facts), COLLIDED_OK);
+  EXPECT_EQ(facts.vertex_solid_contacts, 8u);
+  EXPECT_EQ(facts.inside_out, 0u);
+  ASSERT_EQ(facts.mesh_pair_count, 1u);
+  collided_mesh_pair pair = {};
+  pair.struct_size = sizeof(pair);
+  ASSERT_EQ(collided_result_mesh_pair(result, 0, &pair), COLLIDED_OK);
+  EXPECT_EQ(std::tuple(pair.first, pair.second, pair.state), std::tuple(0u, 1u, int32_t{COLLIDED_PAIR_SECOND_INSIDE}));
+  EXPECT_EQ(std::tuple(pair.first_inside, pair.second_inside, pair.deepest), std::tuple(0u, 8u, 15u));
+  EXPECT_DOUBLE_EQ(pair.depth, 5);
+  EXPECT_EQ(collided_result_mesh_pair(result, 1, &pair), COLLIDED_INVALID_ARGUMENT);
+  EXPECT_STREQ(collided_error_field(), "index");
+  collided_result_free(result);
   collided_scene_free(made);
 }
 

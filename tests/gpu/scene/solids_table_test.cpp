@@ -153,6 +153,10 @@ TEST_F(SolidsTable, Row15VerticesUnderCorners) {
     for (const Accuracy accuracy : kLevels) {
       const FrameResult r = run_case(c, looking(accuracy));
       EXPECT_EQ(r.vertex_solid.size(), inside) << level_name(accuracy);
+      EXPECT_EQ(r.pair_states.size(), positions[0][2] < 0 ? 0u : 1u);
+      if (positions == on) {
+        EXPECT_EQ(r.pair_states[0].state, PairState::kTouching);
+      }
       if (inside > 0) {
         EXPECT_EQ(r.pair_states[0].state, PairState::kSecondInside);
       }
@@ -254,6 +258,24 @@ TEST_F(SolidsTable, SignedDistances) {
   ASSERT_GT(outside.vertex_triangle.size(), 0u);
   for (size_t i = 0; i < outside.vertex_triangle.size(); ++i)
     EXPECT_EQ(outside.vertex_triangle.signed_distance[i], outside.vertex_triangle.distance[i]);
+}
+
+// All its corners are on the cube, and its faces are inside: nothing at its corners tells.
+TEST_F(SolidsTable, SignedDistancesOfWhatTouches) {
+  SceneSpec spec = looking();
+  spec.kinds = {.vertex_triangle = true, .edge_edge = true};
+  spec.fields = spec.fields.with(ContactField::kSignedDistance);
+  spec.thickness = 1;
+  const FrameResult r = run_case(solids({unit_cube(), inscribed(false)}), spec);
+  uint32_t touching = 0, other = 0;
+  for (const ContactSet* set : {&r.vertex_triangle, &r.edge_edge})
+    for (size_t i = 0; i < set->size(); ++i) {
+      const bool touches = set->distance[i] == 0;
+      ++(touches ? touching : other);
+      EXPECT_EQ(std::isnan(set->signed_distance[i]), !touches) << set->distance[i];
+    }
+  EXPECT_GT(touching, 0u);
+  EXPECT_GT(other, 0u);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "gpu/contacts/scene_counts.hpp"
 #include "gpu/step/narrow_phase.hpp"
 #include "gpu/step/results.hpp"
 #include "gpu/step/sinks.hpp"
@@ -142,9 +143,9 @@ ContactSet run_batch(Exec& exec, std::span<const Query> queries, const BatchSett
   send(scene.topology.triangles, triangles);
   send(scene.topology.edges, edges);
 
-  const uint32_t vertices = static_cast<uint32_t>(4 * queries.size());
-  const uint32_t features = vertices + static_cast<uint32_t>(edges.size());
-  const FeatureRanks ranks{{0, vertices, features, features}};
+  SceneCounts counts;
+  counts.vertices = 4 * queries.size(), counts.edges = edges.size();
+  const FeatureRanks ranks = ranks_of({.vertex_triangle = true, .edge_edge = true}, counts);
   QueryRun<Exec, Real> run(exec, settings, ranks, scene);
   const float extent = batch_extent(start, end);
   if (is_vt) return run.run(VertexTriangle{scene.topology.triangles.all()}, resident.all(), extent).vertex_triangle;

@@ -337,7 +337,7 @@ typedef struct collided_contacts {
   const uint8_t* features;  /* [count]: masks COLLIDED_CLOSEST_..., of VERTEX_TRIANGLE and EDGE_EDGE (DCD from FAST on,
                                REPORT_ALL) */
   /* [count], likewise, in scenes with a solid: minus `distance` where a closest point is inside the other mesh; NaN
-   * where neither mesh is a solid, and where one feature goes through the other mesh. */
+   * where neither mesh is a solid, and where one of two features at a distance above 0 meets the other mesh. */
   const double* signed_distance;
 } collided_contacts;
 

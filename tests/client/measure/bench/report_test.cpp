@@ -78,9 +78,11 @@ TEST(Bench, CountsAreThoseOfTheLastStepUnderTheProtocolsNames) {
                                     "contacts_edge_edge",
                                     "contacts_triangle_triangle",
                                     "contacts_edge_triangle",
+                                    "contacts_vertex_solid",
                                     "survivors_vertex_triangle",
                                     "survivors_edge_edge",
                                     "exact_decisions",
+                                    "inside_out",
                                     "replays",
                                     "steps_by_engine"};
   const std::vector<std::string> found = keys(counts);
