@@ -193,7 +193,7 @@ bool JudgedScene::expect_inside(const FrameResult& result, Accuracy accuracy, Ta
     if (accuracy == Accuracy::kExact && t != inside.nearest.front()) return fail("nearest triangle");
     if (!std::ranges::binary_search(inside.nearest, t) && judge_->distance(v, t) > inside.depth * (1 + 0x1p-40L))
       return fail("far triangle");
-    const long double ulp = std::ldexp(1.0L, std::ilogb(inside.depth) - 52),
+    const long double ulp = std::ldexp(1.0L, std::max(std::ilogb(inside.depth) - 52, -1074)),
                       off = std::abs(set.distance[i] + inside.depth) / ulp;
     tally.ulps = std::max(tally.ulps, off);
     if (!(off <= 4)) return fail("depth");
@@ -215,7 +215,7 @@ bool JudgedScene::expect_place(const ContactSet& set, size_t i, Tally& tally) co
     unit += static_cast<long double>(set.normals[i][k]) * set.normals[i][k];
   }
   tally.place = std::max(tally.place, off), tally.normal = std::max(tally.normal, turn);
-  return w[0] >= 0 && w[1] >= 0 && 1 - w[0] - w[1] >= -0x1p-52 && off <= 0x1p-46L && std::abs(unit - 1) < 0x1p-21L &&
+  return w[0] >= 0 && w[1] >= 0 && 1 - w[0] - w[1] >= -0x1p-52 && off <= 0x1p-46L + 0x1p-1074L / size && std::abs(unit - 1) < 0x1p-21L &&
          turn <= 0x1p-22L + 0x1p-46L * size / depth;
 }
 

@@ -6,20 +6,13 @@
 #include <stdexcept>
 
 #include "tests/gpu/solids/exact_meetings.hpp"
+#include "tests/gpu/solids/exact_scaling.hpp"
 
 namespace collided::test {
 namespace {
 
-/// The exponent of the lowest bit of a number that is not 0.
-int lowest_bit(double x) {
-  int exponent;
-  auto bits = static_cast<int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
-  exponent -= 53;
-  for (; bits % 2 == 0; bits /= 2) ++exponent;
-  return exponent;
-}
 /// Of all coordinates; 0 if all are 0.
-int lowest_bit(const SolidsScene& scene) {
+int lowest_bit_of(const SolidsScene& scene) {
   int lowest = 1024;
   const auto add = [&](const Positions& positions) {
     for (const Vec3d& p : positions)
@@ -31,35 +24,6 @@ int lowest_bit(const SolidsScene& scene) {
     for (const auto* some : {&pieces.within, &pieces.inside_out})
       for (const Shape& piece : *some) add(piece.positions);
   return lowest == 1024 ? 0 : lowest;
-}
-/// In units of 2^exponent.
-template <class N>
-Vector<N> as_integers(const Vec3d& p, int exponent) {
-  Vector<N> out;
-  for (size_t k = 0; k < 3; ++k) {
-    int of_p;
-    out[k] = static_cast<int64_t>(std::ldexp(std::frexp(p[k], &of_p), 53));
-    const int shift = p[k] == 0 ? 0 : of_p - 53 - exponent;
-    if (shift > 0) out[k] <<= static_cast<unsigned>(shift);
-    if (shift < 0) out[k] >>= static_cast<unsigned>(-shift);  // bits that are 0
-  }
-  return out;
-}
-
-/// x, within 2^-63 of its size.
-long double rounded(const mpz_class& x) {
-  const size_t bits = mpz_sizeinbase(x.get_mpz_t(), 2);
-  if (bits <= 64) return static_cast<long double>(mpz_get_ui(x.get_mpz_t())) * sgn(x);
-  const mpz_class top = abs(x) >> (bits - 64);
-  return std::ldexp(static_cast<long double>(mpz_get_ui(top.get_mpz_t())), static_cast<int>(bits - 64)) * sgn(x);
-}
-template <class N>
-long double root_of(const Fraction<N>& squared) {
-  const mpz_class over = big(squared.over), under = big(squared.under);
-  const auto bits = [](const mpz_class& x) { return static_cast<int>(mpz_sizeinbase(x.get_mpz_t(), 2)); };
-  const int half = std::max(0, 70 + (bits(under) - bits(over)) / 2);
-  const mpz_class shifted = (over << static_cast<unsigned>(2 * half)) / under;
-  return std::ldexp(rounded(sqrt(shifted)), -half);
 }
 
 template <class N>
@@ -76,7 +40,7 @@ struct Bounds {
   }
 };
 template <class N>
-Bounds<N> bounds_of(std::initializer_list<Vector<N>> points) {
+Bounds<N> bounds_of_points(std::initializer_list<Vector<N>> points) {
   Bounds<N> bounds{*points.begin(), *points.begin()};
   for (const Vector<N>& p : points) bounds.add(p);
   return bounds;
@@ -89,7 +53,8 @@ template <class N>
 struct Mesh {
   bool is_solid = false;
   std::vector<Element> elements;  ///< those of a solid are all triangles
-  std::vector<Triangle<N>> triangles;
+  std::vector<Bounds<N>> element_bounds;
+  std::vector<Triangle<N>> triangles;  ///< the first elements
   uint32_t first_triangle = 0;  ///< scene-wide id
   std::set<uint32_t> used;      ///< vertices, scene-wide
   std::set<std::array<uint32_t, 2>> edges;
@@ -103,7 +68,6 @@ struct Place {
   int winding = 0;
 
   bool is_inside() const { return !is_on && winding > 0; }
-  bool is_outside() const { return !is_on && winding <= 0; }
 };
 
 /// A point of the scene, place / under from `origin`.
@@ -147,7 +111,7 @@ Place place_in(const Mesh<N>& mesh, const FractionPoint<N>& point) {
 template <class N>
 class Judge : public SolidsJudge {
  public:
-  explicit Judge(const SolidsScene& scene) : scene_(scene), unit_(lowest_bit(scene)) {
+  explicit Judge(const SolidsScene& scene) : scene_(scene), unit_(lowest_bit_of(scene)) {
     for (size_t m = 0; m < scene.c.meshes.size(); ++m) add_mesh(m);
   }
 
@@ -170,7 +134,7 @@ class Judge : public SolidsJudge {
     const uint32_t mesh = mesh_of_vertex_[ids[0]], other = mesh_of_element_[ids[1]];
     const Nearest<N> at = nearest(ids[0], ids[1]);
     const FractionPoint<N> first{points_[ids[0]]}, second{points_[ids[0]], at.place, at.under};
-    return sign_of({{ids[0]}, mesh}, {element(ids[1]), other}, {{first, second}});
+    return sign_of({{ids[0]}, mesh}, {element(ids[1]), other}, {first, second});
   }
   JudgedSign of_edge_edge(const std::array<uint32_t, 2>& ids) const override {
     const auto &a = edges_[ids[0]].second, &b = edges_[ids[1]].second;
@@ -199,10 +163,11 @@ class Judge : public SolidsJudge {
       for (size_t k = 0; k < e.size() && e.size() > 1; ++k)
         mesh.edges.insert({std::min(e[k], e[(k + 1) % e.size()]), std::max(e[k], e[(k + 1) % e.size()])});
       if (e.size() == 3) mesh.triangles.push_back(triangle(e));
+      mesh.element_bounds.push_back(bounds_of(e));
     }
     for (const auto& edge : mesh.edges) edges_.emplace_back(static_cast<uint32_t>(m), edge);
     mesh_of_element_.resize(mesh_of_element_.size() + mesh.elements.size(), static_cast<uint32_t>(m));
-    if (!mesh.used.empty()) mesh.bounds = bounds_of({points_[*mesh.used.begin()]});
+    if (!mesh.used.empty()) mesh.bounds = bounds_of_points({points_[*mesh.used.begin()]});
     for (const uint32_t v : mesh.used) mesh.bounds.add(points_[v]);
     mesh.within = convex_of(scene_.pieces[m].within), mesh.inside_out = convex_of(scene_.pieces[m].inside_out);
   }
@@ -214,6 +179,11 @@ class Judge : public SolidsJudge {
       out.emplace_back(corners, piece.triangles);
     }
     return out;
+  }
+  Bounds<N> bounds_of(const Element& e) const {
+    Bounds<N> bounds = bounds_of_points({points_[e[0]]});
+    for (const uint32_t v : e) bounds.add(points_[v]);
+    return bounds;
   }
   Triangle<N> triangle(const Element& e) const { return {points_[e[0]], points_[e[1]], points_[e[2]]}; }
   const Element& element(uint32_t id) const {
@@ -251,7 +221,7 @@ class Judge : public SolidsJudge {
     if (!solid.is_solid) return 0;
     uint32_t count = 0;
     for (const uint32_t v : meshes_[of].used) {
-      if (!solid.bounds.meets(bounds_of({points_[v]}))) continue;
+      if (!solid.bounds.meets(bounds_of_points({points_[v]}))) continue;
       const Place place = place_in<N>(solid, {points_[v]});
       judged.on += place.is_on, judged.inside_out += place.winding<0, judged.deep += place.winding> 1;
       if (!place.is_inside()) continue;
@@ -294,13 +264,13 @@ class Judge : public SolidsJudge {
   }
   template <class Test>
   bool any_pair(const Mesh<N>& mesh, const Mesh<N>& solid, const Test& test) const {
-    return std::ranges::any_of(mesh.elements, [&](const Element& e) {
-      Bounds<N> bounds = bounds_of({points_[e[0]]});
-      for (const uint32_t v : e) bounds.add(points_[v]);
-      return bounds.meets(solid.bounds) && std::ranges::any_of(solid.triangles, [&](const Triangle<N>& t) {
-               return bounds.meets(bounds_of({t.a, t.b, t.c})) && test(e, t);
-             });
-    });
+    for (size_t i = 0; i < mesh.elements.size(); ++i) {
+      if (!mesh.element_bounds[i].meets(solid.bounds)) continue;
+      for (size_t k = 0; k < solid.triangles.size(); ++k)
+        if (mesh.element_bounds[i].meets(solid.element_bounds[k]) && test(mesh.elements[i], solid.triangles[k]))
+          return true;
+    }
+    return false;
   }
   static bool have_in_common(const std::vector<Convex<N>>& first, const std::vector<Convex<N>>& second) {
     return std::ranges::any_of(first, [&](const Convex<N>& a) {
@@ -310,6 +280,12 @@ class Judge : public SolidsJudge {
   static bool meet_inside_out(const Mesh<N>& first, const Mesh<N>& second) {
     return have_in_common(first.inside_out, second.within) || have_in_common(first.within, second.inside_out) ||
            have_in_common(first.inside_out, second.inside_out);
+  }
+  /// Whether an edge of the element goes through a triangle.
+  bool passes(const Element& e, const Triangle<N>& t) const {
+    for (size_t k = 0; k < e.size() && e.size() > 1; ++k)
+      if (goes_through(points_[e[k]], points_[e[(k + 1) % e.size()]], t)) return true;
+    return false;
   }
   /// A volume, or elements that go through each other.
   bool meet_in_more(const Mesh<N>& first, const Mesh<N>& second) const {
@@ -326,9 +302,7 @@ class Judge : public SolidsJudge {
     const FractionPoint<N> near{from}, far{from, at.place, at.under};
     return is_of_second ? ClosestPoints{far, near} : ClosestPoints{near, far};
   }
-  /// All that an end has a part in, or that are within both.
-  std::vector<ClosestPoints> closest_of_edges(const std::array<uint32_t, 2>& a,
-                                              const std::array<uint32_t, 2>& b) const {
+  ClosestPoints closest_of_edges(const std::array<uint32_t, 2>& a, const std::array<uint32_t, 2>& b) const {
     std::vector<std::pair<Fraction<N>, ClosestPoints>> found;
     const auto add_ends = [&](const auto& ends, const auto& other, bool is_of_second) {
       for (const uint32_t v : ends) {
@@ -347,65 +321,33 @@ class Judge : public SolidsJudge {
                            ClosestPoints{FractionPoint<N>{points_[a[0]], times(d, along_d), whole},
                                          FractionPoint<N>{points_[b[0]], times(e, along_e), whole}});
     }
-    Fraction<N> least = found.front().first;
-    for (const auto& one : found) least = std::min(least, one.first);
-    std::vector<ClosestPoints> closest;
-    for (const auto& [squared, points] : found)
-      if (squared == least) closest.push_back(points);
-    return closest;
+    return std::min_element(found.begin(), found.end(), [](const auto& one, const auto& other) {
+             return one.first < other.first;
+           })->second;
   }
 
-  enum class Relation { kApart, kTouches, kGoesThrough };
-  /// Of a feature and the surface of a mesh.
-  Relation relation(const Element& feature, const Mesh<N>& mesh) const {
-    Relation found = Relation::kApart;
-    const auto keep = [&](bool touches, bool goes_through) {
-      if (goes_through) found = Relation::kGoesThrough;
-      if (touches && !goes_through && found == Relation::kApart) found = Relation::kTouches;
-    };
-    for (const Triangle<N>& t : mesh.triangles) keep(touch(feature, t), passes(feature, t));
-    if (feature.size() == 3)
-      for (const auto& edge : mesh.edges)
-        keep(segment_meets(points_[edge[0]], points_[edge[1]], triangle(feature)),
-             goes_through(points_[edge[0]], points_[edge[1]], triangle(feature)));
-    return found;
+  bool have_common_point(const Element& a, const Element& b) const {
+    if (b.size() == 3) return touch(a, triangle(b));
+    if (a.size() == 3) return touch(b, triangle(a));
+    return segments_meet(points_[a[0]], points_[a.back()], points_[b[0]], points_[b.back()]);
   }
-  /// Whether an edge of the feature goes through a triangle.
-  bool passes(const Element& e, const Triangle<N>& t) const {
-    for (size_t k = 0; k < e.size() && e.size() > 1; ++k)
-      if (goes_through(points_[e[k]], points_[e[(k + 1) % e.size()]], t)) return true;
+  /// A vertex alone meets nothing.
+  bool meets(const Feature& feature, const Mesh<N>& mesh) const {
+    if (feature.vertices.size() == 1) return false;
+    const Bounds<N> bounds = bounds_of(feature.vertices);
+    for (size_t k = 0; k < mesh.elements.size(); ++k)
+      if (bounds.meets(mesh.element_bounds[k]) && have_common_point(feature.vertices, mesh.elements[k])) return true;
     return false;
   }
-  /// Of a feature that only touches a solid: whether some of its points, of many, are inside and some outside.
-  bool is_on_both_sides(const Element& e, const Mesh<N>& solid) const {
-    constexpr int kSteps = 4;
-    bool is_inside = false, is_outside = false;
-    for (int i = 0; i <= kSteps; ++i)
-      for (int j = 0; i + j <= kSteps; ++j) {
-        const Vector<N> from = points_[e[0]], u = points_[e[e.size() > 1 ? 1 : 0]] - from, v = points_[e.back()] - from;
-        const Place place = place_in<N>(solid, {from, times(u, N(i)) + times(v, N(j)), N(kSteps)});
-        is_inside = is_inside || place.is_inside(), is_outside = is_outside || place.is_outside();
-      }
-    return is_inside && is_outside;
-  }
-  JudgedSign sign_of(const Feature& first, const Feature& second, const std::vector<ClosestPoints>& closest) const {
-    JudgedSign judged{0, false, false, apart(closest.front())};
+  JudgedSign sign_of(const Feature& first, const Feature& second, const ClosestPoints& closest) const {
     const Mesh<N>&of_first = meshes_[first.mesh], &of_second = meshes_[second.mesh];
-    if (first.mesh == second.mesh || !(of_first.is_solid || of_second.is_solid)) return judged;
-    const Relation one = relation(first.vertices, of_second), other = relation(second.vertices, of_first);
-    judged.is_tied = one == Relation::kTouches || other == Relation::kTouches;
-    if (one == Relation::kGoesThrough || other == Relation::kGoesThrough) return judged;
-    if (judged.is_tied && ((of_second.is_solid && is_on_both_sides(first.vertices, of_second)) ||
-                           (of_first.is_solid && is_on_both_sides(second.vertices, of_first))))
-      return judged;
-    const auto sign_at = [&](const ClosestPoints& at) {
-      return (of_second.is_solid && place_in(of_second, at[0]).is_inside()) ||
-                     (of_first.is_solid && place_in(of_first, at[1]).is_inside())
-                 ? -1
-                 : 1;
-    };
-    judged.sign = sign_at(closest.front());
-    judged.is_open = std::ranges::any_of(closest, [&](const ClosestPoints& at) { return sign_at(at) != judged.sign; });
+    const bool has_solid = first.mesh != second.mesh && (of_first.is_solid || of_second.is_solid);
+    JudgedSign judged{{first.mesh, second.mesh}, has_solid, false, 1, apart(closest)};
+    if (!has_solid) return judged;
+    judged.meets = meets(first, of_second) || meets(second, of_first);
+    if ((of_second.is_solid && place_in(of_second, closest[0]).is_inside()) ||
+        (of_first.is_solid && place_in(of_first, closest[1]).is_inside()))
+      judged.sign = -1;
     return judged;
   }
   std::array<long double, 3> apart(const ClosestPoints& at) const {
@@ -430,7 +372,7 @@ class Judge : public SolidsJudge {
 /// Products of differences fit 128 bits where meshes are small integers in units of the lowest bit.
 bool is_small(const SolidsScene& scene) {
   constexpr double kLongest = 10;
-  const double unit = std::ldexp(1.0, lowest_bit(scene));
+  const double unit = std::ldexp(1.0, lowest_bit_of(scene));
   return std::ranges::all_of(scene.c.end, [&](const Positions& mesh) {
     for (size_t k = 0; k < 3 && !mesh.empty(); ++k) {
       const auto [least, greatest] = std::ranges::minmax(mesh, {}, [&](const Vec3d& p) { return p[k]; });

@@ -50,11 +50,12 @@ struct JudgedSolids {
   uint64_t apart = 0;                ///< pairs of meshes whose boxes meet
 };
 
-/// What the sign of a contact's distance is to be.
+/// What decides the sign of a contact's distance.
 struct JudgedSign {
-  int sign;                          ///< 1 or -1; 0: none, which is told by NaN
-  bool is_tied;                      ///< a feature touches the other's mesh without going through it
-  bool is_open;                      ///< several pairs of closest points, whose signs differ
+  std::array<uint32_t, 2> meshes;    ///< of the features
+  bool has_solid;                    ///< the features are of two meshes, one of them a solid
+  bool meets;                        ///< the triangle or an edge has a point in common with the other mesh
+  int sign;                          ///< -1 if one of the closest points is inside the other mesh, else 1
   std::array<long double, 3> apart;  ///< from the second feature's closest point to the first one's
 };
 
