@@ -371,7 +371,7 @@ class Judge : public SolidsJudge {
 
 /// Products of differences fit 128 bits where meshes are small integers in units of the lowest bit.
 bool is_small(const SolidsScene& scene) {
-  constexpr double kLongest = 10;
+  constexpr double kLongest = 16;
   const double unit = std::ldexp(1.0, lowest_bit_of(scene));
   return std::ranges::all_of(scene.c.end, [&](const Positions& mesh) {
     for (size_t k = 0; k < 3 && !mesh.empty(); ++k) {
