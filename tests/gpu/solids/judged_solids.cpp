@@ -215,8 +215,8 @@ bool JudgedScene::expect_place(const ContactSet& set, size_t i, Tally& tally) co
     unit += static_cast<long double>(set.normals[i][k]) * set.normals[i][k];
   }
   tally.place = std::max(tally.place, off), tally.normal = std::max(tally.normal, turn);
-  return w[0] >= 0 && w[1] >= 0 && 1 - w[0] - w[1] >= -0x1p-52 && off <= 0x1p-46L + 0x1p-1074L / size && std::abs(unit - 1) < 0x1p-21L &&
-         turn <= 0x1p-22L + 0x1p-46L * size / depth;
+  return w[0] >= 0 && w[1] >= 0 && 1 - w[0] - w[1] >= -0x1p-52 && off <= 0x1p-46L + 0x1p-1074L / size &&
+         std::abs(unit - 1) < 0x1p-21L && turn <= 0x1p-22L + 0x1p-46L * size / depth;
 }
 
 }  // namespace collided::test

@@ -132,11 +132,12 @@ MeshSpec RandomBodies::loose(int size, Positions& positions) {
   };
   add();  // no element's
   const uint32_t first = add(), second = add();
-  const int kind = below(3);
+  const int kind = below(4);
   if (kind < 2) {
     for (int i = below(3); i >= 0; --i) mesh.triangles.push_back({first, second, add()});
   }
-  if (kind > 0) mesh.edges.push_back({second, add()});
+  if (kind == 1 || kind == 2) mesh.edges.push_back({second, add()});
+  if (kind == 3) mesh.points = {first, second};
   mesh.vertex_count = static_cast<uint32_t>(positions.size());
   return mesh;
 }

@@ -20,7 +20,7 @@ class RandomBodies {
   Body tetrahedron(int size);
   Body any(int size);
 
-  /// No solid: up to three triangles, or a loose edge, or both, some of whose vertices are no element's.
+  /// No solid: up to three triangles, or a loose edge, or both, or two loose points. One vertex is no element's.
   MeshSpec loose(int size, Positions& positions);
 
   int below(int end) { return std::uniform_int_distribution<int>(0, end - 1)(random_); }

@@ -55,8 +55,8 @@ struct Mesh {
   std::vector<Element> elements;  ///< those of a solid are all triangles
   std::vector<Bounds<N>> element_bounds;
   std::vector<Triangle<N>> triangles;  ///< the first elements
-  uint32_t first_triangle = 0;  ///< scene-wide id
-  std::set<uint32_t> used;      ///< vertices, scene-wide
+  uint32_t first_triangle = 0;         ///< scene-wide id
+  std::set<uint32_t> used;             ///< vertices, scene-wide
   std::set<std::array<uint32_t, 2>> edges;
   std::vector<Convex<N>> within, inside_out;
   Bounds<N> bounds;
@@ -321,9 +321,9 @@ class Judge : public SolidsJudge {
                            ClosestPoints{FractionPoint<N>{points_[a[0]], times(d, along_d), whole},
                                          FractionPoint<N>{points_[b[0]], times(e, along_e), whole}});
     }
-    return std::min_element(found.begin(), found.end(), [](const auto& one, const auto& other) {
-             return one.first < other.first;
-           })->second;
+    return std::min_element(found.begin(), found.end(),
+                            [](const auto& one, const auto& other) { return one.first < other.first; })
+        ->second;
   }
 
   bool have_common_point(const Element& a, const Element& b) const {

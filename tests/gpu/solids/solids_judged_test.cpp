@@ -13,8 +13,8 @@ constexpr double kSpacing = 8;  ///< of places far from each other: more than a 
 
 Vec3d slot(int i) { return {kSpacing * (i % 23), kSpacing * (i / 23), 0}; }
 
-/// A body and another one within a part of it, which chance seldom brings: the first or the second of them is around the
-/// other one; it is in two parts at once; it is in a part that is inside out.
+/// A body and another one within a part of it, which chance seldom brings: the first or the second of them is around
+/// the other one; it is in two parts at once; it is in a part that is inside out.
 std::array<Body, 2> rare_pair(RandomBodies& random, int kind) {
   const Shape cube = box({0, 0, 0}, {4, 4, 4}), slab = box({0, 0, 0}, {3, 7, 7}), corner = box({4, 4, 4}, {7, 7, 7});
   if (kind == 0) return {Body{cube, {{cube}}}, moved(random.tetrahedron(2), {1, 1, 1})};
@@ -72,10 +72,10 @@ int most_above(const Case& c) {
     for (const Vec3d& p : c.end[m]) {
       int above = 0;
       for (size_t other = 0; other < c.meshes.size(); ++other)
-        above += other != m && c.meshes[other].solid &&
-                 std::ranges::any_of(c.meshes[other].triangles, [&](const auto& t) {
-                   return is_below(p, {c.end[other][t[0]], c.end[other][t[1]], c.end[other][t[2]]});
-                 });
+        above +=
+            other != m && c.meshes[other].solid && std::ranges::any_of(c.meshes[other].triangles, [&](const auto& t) {
+              return is_below(p, {c.end[other][t[0]], c.end[other][t[1]], c.end[other][t[2]]});
+            });
       most = std::max(most, above);
     }
   return most;

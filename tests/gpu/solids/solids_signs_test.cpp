@@ -43,8 +43,8 @@ bool leads_apart(const ContactSet& set, size_t i, const JudgedSign& judged) {
 
 class SignsJudged : public OnBackend<> {
  protected:
-  /// Two bodies in each slot: solids, or sheets, or no bodies (of triangles, or an edge), and some that have contacts
-  /// with themselves.
+  /// Two bodies in each slot: solids, or sheets, or no bodies (of triangles, an edge or a point), and some that have
+  /// contacts with themselves.
   static SolidsScene random_pairs(uint32_t seed, int slots) {
     RandomBodies random(seed);
     SolidsScene scene;
@@ -56,6 +56,7 @@ class SignsJudged : public OnBackend<> {
           Positions positions;
           MeshSpec loose = random.loose(3, positions);
           if (!loose.triangles.empty()) loose.edges.clear();
+          if (!loose.points.empty()) loose.points.resize(1);
           for (Vec3d& p : positions) p = {p[0] + at[0], p[1] + at[1], p[2]};
           add_surface(scene, loose, positions);
           continue;
@@ -71,8 +72,7 @@ class SignsJudged : public OnBackend<> {
   }
   /// Compares the signs of all contacts.
   template <class Judged>
-  static void expect_signs(const JudgedScene& scene, const ContactSet& set, const Judged& judged_of,
-                           SignTally& tally) {
+  static void expect_signs(const JudgedScene& scene, const ContactSet& set, const Judged& judged_of, SignTally& tally) {
     for (size_t i = 0; i < set.size(); ++i) {
       const auto& ids = set.elements[i];
       const JudgedSign judged = judged_of(ids);
@@ -81,7 +81,8 @@ class SignsJudged : public OnBackend<> {
       ASSERT_TRUE(std::isnan(set.signed_distance[i]) == !has_sign &&
                   (!has_sign || set.signed_distance[i] == (distance == 0 ? 0 : judged.sign * distance)))
           << ids[0] << " " << ids[1] << " distance " << distance << " signed " << set.signed_distance[i] << ", judged "
-          << judged.has_solid << judged.meets << " " << judged.sign << scene.text_of({judged.meshes[0], judged.meshes[1]});
+          << judged.has_solid << judged.meets << " " << judged.sign
+          << scene.text_of({judged.meshes[0], judged.meshes[1]});
       ASSERT_TRUE(leads_apart(set, i, judged)) << ids[0] << " " << ids[1];
       ++(!judged.has_solid ? tally.of_no_solid
          : distance == 0   ? tally.touching
@@ -94,7 +95,8 @@ class SignsJudged : public OnBackend<> {
     expect_signs(
         scene, r.vertex_triangle, [&](const auto& ids) { return scene.judge().of_vertex_triangle(ids); }, tally);
     if (HasFatalFailure()) return;
-    expect_signs(scene, r.edge_edge, [&](const auto& ids) { return scene.judge().of_edge_edge(ids); }, tally);
+    expect_signs(
+        scene, r.edge_edge, [&](const auto& ids) { return scene.judge().of_edge_edge(ids); }, tally);
   }
 };
 
