@@ -45,17 +45,20 @@ class Signs {
     inside_.finish(), edges_.finish(), triangles_.finish();
   }
 
-  /// 1 or -1; 0 where there is none.
-  int of_vertex_triangle(const std::array<uint32_t, 2>& ids) const {
+  /// 1 or -1; 0 where there is none. Features that touch have no side.
+  int of_vertex_triangle(const std::array<uint32_t, 2>& ids, bool touch) const {
     const uint32_t vertex = ids[0], triangle = ids[1], mesh = meshes_.mesh_of_vertex(vertex),
                    other = meshes_.mesh_of_triangle(triangle);
-    if (!has_solid(mesh, other) || meets(triangle, mesh)) return 0;
+    if (!has_solid(mesh, other)) return 0;
+    if (touch) return 1;
+    if (meets(triangle, mesh)) return 0;
     return inside_.has(topology_.triangles[triangle][0], mesh) || inside_.has(vertex, other) ? -1 : 1;
   }
-  int of_edge_edge(const std::array<uint32_t, 2>& ids) const {
+  int of_edge_edge(const std::array<uint32_t, 2>& ids, bool touch) const {
     const auto &a = topology_.edges[ids[0]], &b = topology_.edges[ids[1]];
     const uint32_t mesh = meshes_.mesh_of_edge(ids[0]), other = meshes_.mesh_of_edge(ids[1]);
     if (!has_solid(mesh, other)) return 0;
+    if (touch) return 1;
     if (edges_.has(pack_ids(a[0], a[1]), other) || edges_.has(pack_ids(b[0], b[1]), mesh)) return 0;
     return inside_.has(a[0], other) || inside_.has(b[0], mesh) ? -1 : 1;
   }
@@ -85,12 +88,12 @@ class Signs {
   FeaturesAndMeshes inside_, edges_, triangles_;
 };
 
-/// sign(ids of both features): as in Signs.
+/// sign(ids of both features, whether they touch): as in Signs.
 template <class Sign>
 void sign_set(CpuLoops& loops, ContactSet& set, const Sign& sign) {
   constexpr uint64_t kAtATime = 1u << 10;
   loops.for_each(set.signed_distance.size(), kAtATime, [&](uint64_t i) {
-    const int found = set.distance[i] == 0 ? 1 : sign(set.elements[i]);
+    const int found = sign(set.elements[i], set.distance[i] == 0);
     set.signed_distance[i] = found == 0 ? std::numeric_limits<double>::quiet_NaN() : found * set.distance[i];
     if (found < 0 && !set.normals.empty())
       for (float& x : set.normals[i]) x = -x;
@@ -101,8 +104,8 @@ void sign_set(CpuLoops& loops, ContactSet& set, const Sign& sign) {
 
 void sign_distances(CpuLoops& loops, const FoundInSolids& found, PerKind<ContactSet>& contacts) {
   const Signs signs(found);
-  sign_set(loops, contacts.vertex_triangle, [&](const auto& ids) { return signs.of_vertex_triangle(ids); });
-  sign_set(loops, contacts.edge_edge, [&](const auto& ids) { return signs.of_edge_edge(ids); });
+  sign_set(loops, contacts.vertex_triangle, [&](const auto&... of) { return signs.of_vertex_triangle(of...); });
+  sign_set(loops, contacts.edge_edge, [&](const auto&... of) { return signs.of_edge_edge(of...); });
 }
 
 }  // namespace collided
