@@ -14,6 +14,7 @@ import pwd
 import re
 import socket
 import ssl
+import struct
 import sys
 import time
 import unittest
@@ -30,7 +31,8 @@ import collided  # noqa: E402
 from collided.v1 import collision_service_pb2 as api  # noqa: E402
 
 from attacks.catalogue import Target  # noqa: E402
-from attacks.http2 import DATA, END_STREAM, HEADERS, INFO, PREFACE, SETTINGS, Http2, frame, resets, text  # noqa: E402
+from attacks.http2 import (  # noqa: E402
+    DATA, END_STREAM, HEADERS, INFO, PREFACE, SETTINGS, WINDOW_UPDATE, Http2, frame, resets, text)
 from attacks.tip import tip_request  # noqa: E402
 from ways import MAX_MB, peak_mb  # noqa: E402
 
@@ -300,6 +302,7 @@ class Calls(Case):
         entrance = self.plain()
         before = self.calls("StreamFrames")
         with Http2(self.target(entrance)) as peer:
+            peer.send(frame(WINDOW_UPDATE, 0, 0, struct.pack(">I", 1 << 20)))  # for 100 answers
             for _ in range(100):
                 peer.send(resets(peer, 1))
                 self.assertTrue(self.is_answered(peer))
