@@ -13,46 +13,16 @@
 #include <random>
 #include <vector>
 
+#include "tests/gpu/exact/closed_meshes.hpp"
+
 namespace collided::test {
 namespace {
 
-using Point = Vec3<double>;
-using Triangles = std::vector<std::array<uint32_t, 3>>;
 using Vector = std::array<mpq_class, 3>;
 
-struct Mesh {
-  std::vector<Point> p;
-  Triangles triangles;
-};
-
-const Triangles kTetrahedron = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
 const Triangles kOctahedron = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-const Triangles kBox = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                        {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
 
-Mesh box(const Point& from, const Point& to) {
-  Mesh mesh{{}, kBox};
-  for (int i = 0; i < 8; ++i) mesh.p.push_back({i & 1 ? to.x : from.x, i & 2 ? to.y : from.y, i & 4 ? to.z : from.z});
-  return mesh;
-}
 Mesh cube(double from, double to) { return box({from, from, from}, {to, to, to}); }
-Mesh reversed(Mesh mesh) {
-  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-  return mesh;
-}
-Mesh together(Mesh a, const Mesh& b) {
-  for (const auto& t : b.triangles) {
-    a.triangles.push_back(t);
-    for (uint32_t& v : a.triangles.back()) v += static_cast<uint32_t>(a.p.size());
-  }
-  a.p.insert(a.p.end(), b.p.begin(), b.p.end());
-  return a;
-}
-template <class Change>
-Mesh with_points(Mesh mesh, Change change) {
-  for (Point& p : mesh.p) p = change(p);
-  return mesh;
-}
 
 // The judge of volumes.
 
