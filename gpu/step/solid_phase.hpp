@@ -257,15 +257,12 @@ class SolidPhase {
   }
   /// Returns which of the rivals, whose points these are, is the nearest, the first of several.
   static size_t nearest_of(const std::vector<Vec3<Real>>& points, std::span<const uint64_t> rivals) {
-    size_t best = 0;
-    const auto corners = [&](size_t k) {
-      const Vec3<Real>* of = points.data() + 4 * rivals[k];
-      return std::array{convert<double>(of[1]), convert<double>(of[2]), convert<double>(of[3])};
-    };
-    const Vec3<double> from = convert<double>(points[4 * rivals[0]]);
-    for (size_t k = 1; k < rivals.size(); ++k)
-      if (compare_distances(from, corners(k), corners(best)) < 0) best = k;
-    return best;
+    std::vector<std::array<Vec3<double>, 3>> triangles;
+    for (const uint64_t rival : rivals) {
+      const Vec3<Real>* of = points.data() + 4 * rival;
+      triangles.push_back({convert<double>(of[1]), convert<double>(of[2]), convert<double>(of[3])});
+    }
+    return collided::nearest_of(convert<double>(points[4 * rivals[0]]), triangles);
   }
 
   Exec& exec_;
