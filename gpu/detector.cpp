@@ -32,7 +32,7 @@ void check_meshes(const SceneSpec& spec) {
   }
 }
 
-void check_solids(const SceneSpec& spec) {
+void check_solid_meshes(const SceneSpec& spec) {
   for (const uint32_t mesh : solid_meshes(spec)) check_solid(spec.meshes[mesh], "meshes[" + std::to_string(mesh) + "]");
 }
 
@@ -71,7 +71,7 @@ std::unique_ptr<Detector> Detector::create(SceneSpec spec, std::function<bool()>
   asks.begin(std::move(cancelled));
   FeatureTables features = make_tables(spec, making, asks);
   check_size(spec, features.topology);
-  check_solids(spec);
+  check_solid_meshes(spec);
   if (!spec.part_devices.empty()) return make_sharded_scene(std::move(spec), std::move(features));
   expect_known_lengths(spec, features.topology);
   return spec.device.backend == Backend::kCuda ? make_cuda_detector(std::move(spec), std::move(features))

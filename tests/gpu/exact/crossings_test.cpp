@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "gpu/exact/integers.hpp"
+#include "tests/gpu/exact/equations.hpp"
 
 namespace collided::test {
 namespace {
@@ -52,7 +53,7 @@ std::optional<Weights> common_point(const Case& c, unsigned chosen) {
   std::vector<int> columns;
   for (int i = 0; i < 5; ++i)
     if (chosen >> i & 1) columns.push_back(i);
-  std::array<std::array<mpq_class, 6>, 5> m;  // a row an equation, the last column is its right side
+  FiveEquations m;
   for (size_t k = 0; k < columns.size(); ++k) {
     const int i = columns[k];
     const auto x = coordinates(c.p[i]);
@@ -60,22 +61,10 @@ std::optional<Weights> common_point(const Case& c, unsigned chosen) {
     m[i < 2 ? 3 : 4][k] = 1;
   }
   m[3][5] = m[4][5] = 1;
-  for (size_t k = 0; k < columns.size(); ++k) {
-    size_t pivot = k;
-    while (pivot < 5 && m[pivot][k] == 0) ++pivot;
-    if (pivot == 5) return std::nullopt;
-    std::swap(m[k], m[pivot]);
-    for (size_t row = 0; row < 5; ++row) {
-      if (row == k || m[row][k] == 0) continue;
-      const mpq_class factor = m[row][k] / m[k][k];
-      for (size_t j = k; j < 6; ++j)
-        if (m[k][j] != 0) m[row][j] -= factor * m[k][j];
-    }
-  }
-  for (size_t row = columns.size(); row < 5; ++row)
-    if (m[row][5] != 0) return std::nullopt;
+  const auto solution = only_solution(m, columns.size());
+  if (!solution) return std::nullopt;
   Weights w;
-  for (size_t k = 0; k < columns.size(); ++k) w[static_cast<size_t>(columns[k])] = m[k][5] / m[k][k];
+  for (size_t k = 0; k < columns.size(); ++k) w[static_cast<size_t>(columns[k])] = (*solution)[k];
   return w;
 }
 

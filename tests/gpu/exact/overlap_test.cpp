@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "tests/gpu/exact/closed_meshes.hpp"
+#include "tests/gpu/exact/equations.hpp"
 
 namespace collided::test {
 namespace {
@@ -344,28 +345,17 @@ std::optional<Weights> common_point(const std::array<Vector, 6>& corners, unsign
   for (size_t i = 0; i < 6; ++i)
     if (chosen >> i & 1) columns.push_back(i);
   if (columns.size() > 5) return std::nullopt;
-  std::array<std::array<mpq_class, 6>, 5> m;  // a row an equation, the last column is its right side
+  FiveEquations m;
   for (size_t k = 0; k < columns.size(); ++k) {
     const size_t i = columns[k];
     for (size_t row = 0; row < 3; ++row) m[row][k] = i < 3 ? corners[i][row] : mpq_class(-corners[i][row]);
     m[i < 3 ? 3 : 4][k] = 1;
   }
   m[3][5] = m[4][5] = 1;
-  for (size_t k = 0; k < columns.size(); ++k) {
-    size_t pivot = k;
-    while (pivot < 5 && m[pivot][k] == 0) ++pivot;
-    if (pivot == 5) return std::nullopt;
-    std::swap(m[k], m[pivot]);
-    for (size_t row = 0; row < 5; ++row) {
-      if (row == k || m[row][k] == 0) continue;
-      const mpq_class factor = m[row][k] / m[k][k];
-      for (size_t j = 0; j < 6; ++j) m[row][j] -= factor * m[k][j];
-    }
-  }
-  for (size_t row = columns.size(); row < 5; ++row)
-    if (m[row][5] != 0) return std::nullopt;
+  const auto solution = only_solution(m, columns.size());
+  if (!solution) return std::nullopt;
   Weights w;
-  for (size_t k = 0; k < columns.size(); ++k) w[columns[k]] = m[k][5] / m[k][k];
+  for (size_t k = 0; k < columns.size(); ++k) w[columns[k]] = (*solution)[k];
   return w;
 }
 
