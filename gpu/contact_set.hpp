@@ -59,9 +59,10 @@ struct PerField {
   Array<Normal> normals;                    ///< unit, as narrow/normal.hpp defines it; if asked for
   Array<uint8_t> flags;                     ///< ContactFlags; from kFast on
   Array<uint8_t> features;                  ///< FeatureBits; of kinds of features in DCD, if asked for
-  /// Likewise: minus `distance` where one of the closest points is in the other one's mesh, a solid; else `distance`.
-  /// NaN between meshes that are no solids, of a mesh and itself, and where `distance` is above 0 and one feature meets
-  /// the other's mesh: it may have points on both sides.
+  /// Of the same contacts, if asked for. It is minus `distance` where one closest point is inside the other feature's
+  /// mesh, a solid, and else `distance`. It is NaN if neither mesh is a solid, and if both are one mesh. It is NaN,
+  /// too, if `distance` is above 0 and one feature meets the other's mesh: such a feature may have points on both
+  /// sides.
   Array<double> signed_distance;
 };
 

@@ -366,13 +366,14 @@ struct FrameCounts {
   uint64_t inside_out = 0;
 };
 
-/// How two meshes, one of them solid at least, lie to each other. A vertex is in a solid if the winding number of the
-/// solid around it is 1 or more and it is on none of its triangles.
-/// - kTouching: they have points in common, and no volume or, if one is no solid, no triangles that go through each
-///   other.
-/// - kOverlapping: they meet in more than that, or a vertex of one is in the other, but not as below.
-/// - kFirstInside, kSecondInside: they have no point of their surfaces in common; all vertices of one are in the other,
-///   and none of the other in this one.
+/// Says how two meshes lie to each other, of which at least one is a solid. A vertex is inside a solid if it is on none
+/// of its triangles and the winding number there is 1 or more.
+/// - kTouching: the meshes have a point in common. Two solids have no common volume. If one is no solid, no triangles
+///   go through each other.
+/// - kOverlapping: the meshes meet in more than that. Or a vertex of one is inside the other, and neither of the states
+///   below holds.
+/// - kFirstInside, kSecondInside: the surfaces have no point in common. All vertices of this mesh are inside the other
+///   one, and none of the other's is inside this one.
 enum class PairState { kTouching, kOverlapping, kFirstInside, kSecondInside };
 
 /// Two meshes that are not apart, as positions of the frame have them. Decided exactly.
